@@ -239,6 +239,15 @@ TEST_F(EvaluateTest, RunsThatAreUpToScaleAndRunsAsTruthAreNamed) {
       << swapped.err;
 }
 
+TEST_F(EvaluateTest, ThePageCountsFromTheFirstFrameOfTheRun) {
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/trajectory.tum");
+  Text("estimate/summary.json", R"({"scale": {"state": "observed"}, "first_frame_s": -12.5})");
+  const std::string page = (folder_ / "page.html").string();
+  const CommandResult result = Run({"estimate", "truth/drive.tum", "--report", page});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(TextOf(page).find(R"("timeOrigin":-12.5)"), std::string::npos);
+}
+
 TEST_F(EvaluateTest, AnOnlineTrajectoryIsInMetresFromSomeTimeOn) {
   fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/live.tum");
   const double begin = estimate_.front().time;

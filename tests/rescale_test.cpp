@@ -240,6 +240,22 @@ TEST_F(RescaleCommandTest, ThePageHasSpeedsAndDeviations) {
   EXPECT_GT(largest, 0);
 }
 
+TEST_F(RescaleCommandTest, ThePageCountsFromTheFirstFrameOfTheRun) {
+  fs::rename(Tum(), folder_ / "trajectory.tum");
+  const auto origin = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {Path("trajectory.tum"), "--lever-arm", "1.2", "--report", Path("report")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = Run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const std::string page = TextOf(folder_ / "report" / "report.html");
+    const size_t begin = page.find("\"timeOrigin\":");
+    return page.substr(begin, page.find(',', begin) - begin);
+  };
+  EXPECT_EQ(origin({}), "\"timeOrigin\":0");
+  Text("summary.json", R"({"scale": {"state": "observed"}, "first_frame_s": -12.5})");
+  EXPECT_EQ(origin({}), "\"timeOrigin\":-12.5");
+}
+
 TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {
   const auto path = [&] {
     EXPECT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);

@@ -95,7 +95,7 @@ std::string LiveWarning(const fs::path& file, const Trajectory& poses) {
   const auto seconds = from.get<double>();
   if (poses.empty() || poses.front().time >= seconds) return {};
   return fmt::format("poses before {:.1f} s are up to scale; then the scale became known, and the position jumps",
-                     seconds - FirstTimeOfRun(file));
+                     seconds - FirstTimeOfRun(file).value_or(0.0));
 }
 
 // The same poses as the estimate's, without times, as a run writes both; empty if there are none.

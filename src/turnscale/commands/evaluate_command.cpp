@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/evaluation/path_picture.h"
 #include "turnscale/geometry/level_frame.h"
@@ -53,6 +54,7 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
   data.version = Version();
   data.metric = comparison.metric;
   data.timed = comparison.timed;
+  data.time_origin = FirstTimeOfRun(arguments.estimate);
   data.has_tracking = false;
   data.has_scale_state = false;
   if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -121,7 +122,7 @@ std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optiona
 }
 
 void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, const CarPrior& car,
-                 bool timed) {
+                 bool timed, std::optional<double> first_time) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
@@ -131,7 +132,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
-  ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed));
+  ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed, first_time));
   summary.Write(RescaleJson(result, input));
   summary.Finish();
 }
@@ -182,7 +183,9 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
-  if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed);
+  // Frame rates make other times of those in the file.
+  const std::optional<double> first_time = arguments.fps ? std::nullopt : FirstTimeOfRun(arguments.input);
+  if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed, first_time);
   for (const std::string& warning : RescaleWarnings(result, options.car))
     Warn(hooks, fmt::format("{}: {}", input, warning));
   return result;

@@ -29,7 +29,8 @@ std::string ScaleNote(const RescaleResult& result, const CarPrior& car) {
 
 }  // namespace
 
-std::string RescalePage(const RescaleResult& result, const std::string& input, const CarPrior& car, bool timed) {
+std::string RescalePage(const RescaleResult& result, const std::string& input, const CarPrior& car, bool timed,
+                        std::optional<double> first_time) {
   ReportData data;
   data.title = input;
   data.version = Version();
@@ -40,6 +41,7 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   data.warnings = RescaleWarnings(result, car);
   if (!timed) data.warnings.push_back("The trajectory has no times: side slip is unknown, and there is no speed");
   data.timed = timed;
+  data.time_origin = first_time;
   data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
   for (const TurnEstimate& turn : result.estimate->turns)

@@ -83,9 +83,10 @@ std::string ScaleStateOfRun(const fs::path& trajectory) {
   return scale.contains("state") && scale["state"].is_string() ? scale["state"].get<std::string>() : "";
 }
 
-double FirstTimeOfRun(const fs::path& trajectory) {
+std::optional<double> FirstTimeOfRun(const fs::path& trajectory) {
+  if (trajectory.filename() == RunFiles::kTrajectoryKitti) return std::nullopt;
   const nlohmann::json first = OfRun(trajectory, "first_frame_s");
-  return first.is_number() ? first.get<double>() : 0.0;
+  return first.is_number() ? std::optional(first.get<double>()) : std::nullopt;
 }
 
 bool IsOfRearAxle(const fs::path& trajectory) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,9 +23,9 @@ nlohmann::json ScaleOfRun(const std::filesystem::path& trajectory);
 /// Its state; empty if there is none.
 std::string ScaleStateOfRun(const std::filesystem::path& trajectory);
 
-/// Time stamp of the first frame of its drive, from which printed times count, seconds; 0 if the summary does not say,
-/// as that of an earlier version.
-double FirstTimeOfRun(const std::filesystem::path& trajectory);
+/// Time stamp of the first frame of its drive, from which printed times count, seconds; nothing if the summary does not
+/// say, as that of an earlier version, or if the trajectory has no times of its own.
+std::optional<double> FirstTimeOfRun(const std::filesystem::path& trajectory);
 
 /// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
 bool IsOfRearAxle(const std::filesystem::path& trajectory);
