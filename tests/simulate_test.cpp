@@ -49,8 +49,9 @@ class SimulateTest : public ::testing::Test {
 };
 
 TEST_F(SimulateTest, ADriveThatTakesLongerThanAskedSaysSo) {
-  const CommandResult longer = Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--quiet"});
+  const CommandResult longer = Simulate({"garage", "--rig", SmallRig(), "--seconds", "5"});
   EXPECT_EQ(longer.exit_code, 0) << longer.err;
+  EXPECT_EQ(longer.out.find("--camera-height"), std::string::npos) << "its turns give the scale: " << longer.out;
   EXPECT_NE(longer.err.find("warning: --seconds 5: the shortest garage drive takes 15."), std::string::npos)
       << longer.err;
   const CommandResult cut = Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "3", "--quiet"});
@@ -91,7 +92,8 @@ TEST_F(SimulateTest, DashcamAndVideoAreVideos) {
   const CommandResult plain =
       Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "3", "--video"});
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
-  EXPECT_NE(plain.out.find("turnscale run " + (Out() / "video.mp4").string()), std::string::npos) << plain.out;
+  const std::string next = "turnscale run " + (Out() / "video.mp4").string() + " --lever-arm 1.5 --camera-height 1.4\n";
+  EXPECT_NE(plain.out.find(next), std::string::npos) << "without a turn: " << plain.out;
   EXPECT_EQ(FindDrive(Out()).videos.size(), 1u);
   const CommandResult made = Simulate({"garage", "--rig", "dashcam", "--seconds", "5", "--max-frames", "1", "--quiet"});
   EXPECT_EQ(made.exit_code, 0) << made.err;

@@ -23,6 +23,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/simulation/drive_recorder.h"
 #include "turnscale/simulation/image_output.h"
 #include "turnscale/simulation/rig.h"
@@ -134,6 +135,16 @@ std::string LongerThanAsked(const SimulateArguments& arguments, double seconds) 
                      *arguments.seconds, arguments.world, seconds);
 }
 
+// The command that estimates the drive in metres. Without a turn, only the height of the camera gives the scale.
+std::string NextCommand(const std::string& input, const CameraMount& mount, double turned) {
+  // The angles of all curves count here, also of those that are too gentle to be turns.
+  constexpr double kSurelyTurns = 3;
+  std::string command = fmt::format("turnscale run {} --lever-arm {:g}", input, mount.lever_arm);
+  if (turned < kSurelyTurns * TurnDetectorOptions().min_region_angle)
+    command += fmt::format(" --camera-height {:g}", mount.height);
+  return command;
+}
+
 // Returns the exit code.
 int Simulate(const SimulateArguments& arguments) {
   Check(arguments);
@@ -176,7 +187,7 @@ int Simulate(const SimulateArguments& arguments) {
   PrintText(fmt::format("drive   {} frames, {:.1f} s, {:.1f} m, {:.0f} deg of turning\n", recording.frames,
                         recording.seconds, recording.metres, recording.turned * kDegreesPerRadian) +
             fmt::format("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds) +
-            fmt::format("files   {}\nnext    turnscale run {} --lever-arm {:g}\n", out, input, rig.mount.lever_arm));
+            fmt::format("files   {}\nnext    {}\n", out, NextCommand(input, rig.mount, recording.turned)));
   return 0;
 }
 
