@@ -315,9 +315,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const auto [frames, scale, blending] = recorder.Refined();
   constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
   if (blending) progress.Warn(FrameBlendingText(SinceFirst(*blending, images.source.first_time()), kConsequence));
-  for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
-                                                        blending ? "the blending may be the cause" : kConsequence))
-    progress.Warn(warning);
+  // Images that are upside down contradict right intrinsics.
+  if (!odometry.is_upside_down())
+    for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
+                                                          blending ? "the blending may be the cause" : kConsequence))
+      progress.Warn(warning);
   motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

@@ -109,9 +109,9 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
   summary.restarts = RestartsOf(odometry_.map());
   summary.scale_state = StateAtEnd(results.scale);
+  summary.is_upside_down = odometry_.is_upside_down();
   summary.blending = results.blending;
   Summarize(results.frames, results.scale, summary);
-  if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
   if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
   // Results that could not be computed have no frames.
   summary.frames = std::max(summary.frames, frames_);

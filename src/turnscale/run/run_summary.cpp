@@ -307,14 +307,17 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
   const double first_time = summary.first_time;
+  // First, as right intrinsics are contradicted by images that are upside down: what to check is the rotation.
+  if (summary.is_upside_down) add(UpsideDownWarning(summary.rotate));
   if (summary.blending) add(FrameBlendingText(SinceFirst(*summary.blending, first_time), "the scale may be wrong"));
   // A right calibration is contradicted, too, where each image shows two moments.
   const std::string calibration_error =
       summary.blending ? scale_error + (scale_error.empty() ? "" : "; ") + "the blending may be the cause"
                        : scale_error;
-  for (std::string& warning :
-       CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), calibration_error))
-    add(std::move(warning));
+  if (!summary.is_upside_down)
+    for (std::string& warning :
+         CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), calibration_error))
+      add(std::move(warning));
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));

@@ -156,6 +156,7 @@ struct RunSummary {
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
   std::optional<UncertainScale> uncertain_scale;  ///< parts of the path whose scale is hardly known
+  bool is_upside_down = false;                    ///< the images, by the road that they show
   std::optional<FrameBlending> blending;          ///< of the images, if there is any
   bool is_part = false;                           ///< what was processed is only a part of the drive
   std::string pending_reason;                     ///< why there is no scale; empty where there is

@@ -264,6 +264,16 @@ TEST(Summarize, BlendingIsNamedBeforeTheCalibrationThatItContradicts) {
       << summary.warnings[1];
 }
 
+TEST(Summarize, ImagesUpsideDownAreNamedAloneIfTheyContradictTheCalibration) {
+  RefinedScale scale;
+  scale.contradicted_calibration.resize(1);
+  RunSummary summary;
+  summary.is_upside_down = true;
+  summary.rotate = 180;
+  Summarize({}, scale, summary);
+  EXPECT_EQ(summary.warnings, std::vector{UpsideDownWarning(180)});
+}
+
 // 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
 TEST(Summarize, ABeginningWithoutAMapWidensSigma) {
   const auto summary_of = [](int late, TrackingState last_of_them, int count = 100) {
