@@ -61,6 +61,33 @@ double HeadingBetween(const Vector2d& path, const Vector2d& fix) {
   return std::atan2(path.y(), path.x()) - std::atan2(fix.y(), fix.x());
 }
 
+// Between two fixes, metres.
+struct LargestDistance {
+  double on_path = 0;
+  double of_fixes = 0;
+  double sigma = 0;  // of those two fixes
+
+  void Add(const Correspondence& a, const Correspondence& b) {
+    on_path = std::max(on_path, (b.path - a.path).norm());
+    const double distance = (b.fix - a.fix).norm();
+    if (distance > of_fixes) sigma = std::hypot(a.sigma, b.sigma);
+    of_fixes = std::max(of_fixes, distance);
+  }
+  // Where none is large enough on the path.
+  std::string WhyNoHeading() const {
+    constexpr double kMostRatio = 2;
+    if (of_fixes > kMostRatio * on_path + kLeastBaseline * sigma)
+      return fmt::format(
+          "--fixes: two of them are {:.0f} m apart, but the path at their times extends over {:.1f} m only: check the "
+          "order of latitude and longitude in every line, their times, and --start-time",
+          of_fixes, on_path);
+    return fmt::format(
+        "--fixes: the path at their times extends over {:.1f} m only, too little to give a heading; give some from "
+        "farther along the drive",
+        on_path);
+  }
+};
+
 class Fitter {
  public:
   explicit Fitter(std::vector<Correspondence> pairs) : pairs_(std::move(pairs)) {}
@@ -68,12 +95,14 @@ class Fitter {
   PlaneFit BestPair() const {
     PlaneFit best;
     double least = std::numeric_limits<double>::infinity();
+    LargestDistance largest;
     const size_t stride = pairs_.size() / kMostPairsOf + 1;
     const size_t judge_stride = pairs_.size() / kMostJudges + 1;
     for (size_t i = 0; i < pairs_.size(); i += stride) {
       for (size_t k = i + stride; k < pairs_.size(); k += stride) {
         const Correspondence& a = pairs_[i];
         const Correspondence& b = pairs_[k];
+        largest.Add(a, b);
         if ((b.path - a.path).norm() < kLeastBaseline * std::hypot(a.sigma, b.sigma)) continue;
         PlaneFit fit;
         fit.heading = HeadingBetween(b.path - a.path, b.fix - a.fix);
@@ -86,9 +115,7 @@ class Fitter {
         best = fit;
       }
     }
-    if (std::isinf(least))
-      throw InputError(
-          "--fixes: they lie too close together to give a heading; give some from farther along the drive");
+    if (std::isinf(least)) throw InputError(largest.WhyNoHeading());
     return best;
   }
 

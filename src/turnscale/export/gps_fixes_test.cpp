@@ -256,6 +256,23 @@ TEST(GpsFixes, NeedABaseline) {
   EXPECT_THROW(PlaceByFixes(path, fixes), InputError);
 }
 
+TEST(GpsFixes, TooNearOnThePathButNotOnEarthNameWhatToCheck) {
+  const std::vector<LevelPlace> path = LevelPath(TestResults(501), "out");
+  const auto refusal = [&](const std::vector<GpsFix>& fixes) -> std::string {
+    try {
+      PlaceByFixes(path, fixes);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  std::vector<GpsFix> fixes = NoisyFixes(path, 1);
+  fixes.resize(2);
+  EXPECT_NE(refusal(fixes).find("give some from farther along the drive"), std::string::npos) << refusal(fixes);
+  std::swap(fixes[1].point.latitude, fixes[1].point.longitude);
+  EXPECT_NE(refusal(fixes).find("check the order of latitude and longitude"), std::string::npos) << refusal(fixes);
+}
+
 class GpsFixFileTest : public ::testing::Test {
  protected:
   GpsFixFileTest() : path_(ScratchPath("fixes.csv")) {}
