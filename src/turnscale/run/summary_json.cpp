@@ -120,13 +120,15 @@ nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
           {"camera_height_sigma_m", known(car->camera_height_sigma)}};
 }
 
+// Zeros have no sign.
 nlohmann::ordered_json BeliefJson(const CarBelief& belief) {
   nlohmann::ordered_json covariance = nlohmann::ordered_json::array();
   for (int row = 0; row < 4; ++row) {
-    const Eigen::RowVector4d cells = belief.covariance.row(row);
+    const Eigen::RowVector4d cells = belief.covariance.row(row).array() + 0.0;
     covariance.push_back({cells[0], cells[1], cells[2], cells[3]});
   }
-  return {{"mean", {belief.mean[0] + 0.0, belief.mean[1], belief.mean[2], belief.mean[3]}}, {"covariance", covariance}};
+  return {{"mean", {belief.mean[0] + 0.0, belief.mean[1] + 0.0, belief.mean[2] + 0.0, belief.mean[3] + 0.0}},
+          {"covariance", covariance}};
 }
 
 nlohmann::ordered_json EvidenceJson(const std::optional<CarEvidence>& evidence) {
