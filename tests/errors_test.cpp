@@ -753,7 +753,7 @@ TEST_F(ErrorsTest, ResultsDoNotGoWhereTheDriveIs) {
        {std::vector{drive}, std::vector{drive, std::string("--fov"), std::string("70")}}) {
     std::vector<std::string> arguments = {"run", "--out", drive, "--quiet"};
     arguments.insert(arguments.end(), input.begin(), input.end());
-    ExpectComplaint(RunCommand(arguments, folder_), 2, {drive + ": is the folder of the drive; name another one"});
+    ExpectComplaint(RunCommand(arguments, folder_), 2, {drive + ": is the folder of the drive; choose another --out"});
   }
   EXPECT_FALSE(fs::exists(Drive() / "summary.json"));
 }

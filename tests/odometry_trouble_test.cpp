@@ -11,6 +11,7 @@
 #include "street_drive.h"
 #include "turnscale/base/error.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/drive_recorder.h"
 
 namespace turnscale {
 namespace {
@@ -255,6 +256,33 @@ TEST(OdometryTrouble, EachImageThreeTimesIsTheSameDrive) {
   OdometryRun thinned = run;
   thinned.refined = whole;
   ExpectGoodDrive(thinned, drive);
+}
+
+TEST(OdometryTrouble, ImagesOfTwoMomentsWidenTheScale) {
+  const StreetDrive drive = PlainStreetDrive();
+  const auto record = [&](const auto& image) {
+    Odometry odometry(StreetOptions(), drive.camera);
+    DriveRecorder recorder(odometry);
+    for (size_t i = 0; i < drive.times.size(); ++i) {
+      if (i == 40)
+        recorder.ProcessUnreadable(drive.times[i], "cannot be read");
+      else
+        recorder.Process(image(i), drive.times[i]);
+    }
+    recorder.Finish();
+    return recorder.Refined();
+  };
+  EXPECT_FALSE(record([&](size_t i) { return drive.images[i]; }).blending);
+  const RefinedResults mixed = record([&](size_t i) {
+    cv::Mat image;
+    cv::addWeighted(drive.images[i], 0.5, drive.images[i == 0 ? 0 : i - 1], 0.5, 0, image);
+    return image;
+  });
+  ASSERT_TRUE(mixed.blending);
+  EXPECT_EQ(mixed.blending->period, 0);
+  ASSERT_TRUE(mixed.scale.estimate);
+  EXPECT_GE(mixed.scale.estimate->length_sigma, FrameBlending::kScaleSigma);
+  EXPECT_TRUE(mixed.scale.estimate->is_doubtful);
 }
 
 TEST(OdometryTrouble, AnImageThatFreezesStandsAfterAWhile) {

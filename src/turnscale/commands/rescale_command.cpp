@@ -72,12 +72,12 @@ void CheckReportFolder(const fs::path& folder) {
   std::error_code none;
   if (IsFolderOfRun(folder) || fs::exists(folder / RunFiles::kTrajectoryTable, none))
     throw InputError("--report: " + folder.string() +
-                     ": has the results of a run, some of which would be replaced; name another folder");
+                     ": has the results of a run, some of which would be replaced; choose another --report");
   if (IsRescaleFolder(folder)) return;
   for (const char* name : kReportFiles)
     if (fs::is_regular_file(folder / name, none))
       throw InputError("--report: " + (folder / name).string() +
-                       ": would be replaced, but is not of an earlier rescale; name another folder");
+                       ": would be replaced, but is not of an earlier rescale; choose another --report");
 }
 
 // Also the times that ReadTimedTrajectory may find by itself; a rotation in degrees names no file.
@@ -183,7 +183,7 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
-  // Frame rates make other times of those in the file.
+  // --fps replaces the times in the file.
   const std::optional<double> first_time = arguments.fps ? std::nullopt : FirstTimeOfRun(arguments.input);
   if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed, first_time);
   for (const std::string& warning : RescaleWarnings(result, options.car))

@@ -64,7 +64,8 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images, const
   std::error_code none;
   const auto refuse_folder = [&](const fs::path& folder) {
     if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
-      throw InputError(fmt::format("--out {}: is the folder of the drive; name another one", arguments.out.string()));
+      throw InputError(
+          fmt::format("--out {}: is the folder of the drive; choose another --out", arguments.out.string()));
   };
   for (const fs::path& input : arguments.images.inputs)
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());

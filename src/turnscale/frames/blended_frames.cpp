@@ -238,9 +238,10 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
 std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence) {
   if (blending.period == 0) {
     return fmt::format(
-        "the images show twice what moves, where it is and where it was in the image before (from {:.1f} to {:.1f} s), "
-        "as where frames are blended or the camera's noise reduction mixes them: {}; use the video as the camera "
-        "recorded it, or turn temporal noise reduction off",
+        "each image also shows what moves where the image before had it (from {:.1f} to {:.1f} s), as blended frames "
+        "or "
+        "strong temporal noise reduction do: {}; use the video as the camera recorded it, and turn temporal noise "
+        "reduction off",
         blending.from, blending.to, consequence);
   }
   // What an even rhythm is in whole images need not be.

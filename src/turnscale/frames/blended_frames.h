@@ -13,8 +13,8 @@ namespace turnscale {
 /// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending
 /// (BlendedFrames), or strong temporal noise reduction (DoubleImages).
 struct FrameBlending {
-  /// Relative standard deviation of lengths that it causes (docs/blended.md). The whole video has been converted, even
-  /// if it shows only in a part: where the car is slow, less of the path is.
+  /// Relative standard deviation of lengths that it causes, chosen from conversions (docs/blended.md). The whole video
+  /// is blended, even if it shows only in a part: where the car is slow, less of the path is.
   static constexpr double kScaleSigma = 0.25;
 
   double from = 0;    ///< time, seconds, where it begins

@@ -116,5 +116,12 @@ TEST(BlendedFrames, TheWarningSaysWhatToDo) {
   EXPECT_EQ(FrameBlendingText({.period = 2.5}, "x").find("the sharpness of the images rises and falls every 2.5 "), 0U);
 }
 
+TEST(BlendedFrames, TheWarningOfWeightsThatDoNotChange) {
+  EXPECT_EQ(FrameBlendingText({.from = 1, .to = 20.04, .period = 0}, "the scale may be wrong"),
+            "each image also shows what moves where the image before had it (from 1.0 to 20.0 s), as blended frames or "
+            "strong temporal noise reduction do: the scale may be wrong; use the video as the camera recorded it, and "
+            "turn temporal noise reduction off");
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -14,20 +14,22 @@ namespace {
 
 // Patches that are compared: their size limits how well a shift can be told from one that is longer or shorter.
 constexpr int kRadius = 6;  // pixels
-constexpr float kShortestMotion = 10;
+constexpr float kShortestMotion = 12;
 constexpr float kLongestMotion = 80;
-constexpr float kShorterShift = 0.65F;
-constexpr float kLongerShift = 1.35F;
+// Shifts, in motions of a point, that a second moment makes no more similar. Of a pattern that repeats after the
+// motion, as railings may, twice the motion is as similar.
+constexpr float kOtherShifts[] = {0.65F, 0.8F, 1.2F, 1.35F, 2.0F};
 
 // Points that are looked at, and the fewest that tell something of an image.
 constexpr std::size_t kMostPoints = 100;
 constexpr std::size_t kFewestPoints = 12;
 
-// The similarity of a single moment is no larger at the motion than beside it; that of two equally strong ones is by
-// 0.3. An earlier one of a fourth of the weight, which the odometry does not mind, adds 0.05 to 0.1.
-constexpr double kLeastExcess = 0.12;
+// Excess of the similarity at the motion over the largest at the other shifts. Its median over the points of an image
+// is about -0.2 for one moment, as the largest of several is positive by chance, and 0 to 0.1 for two equally strong
+// ones.
+constexpr double kLeastExcess = 0.01;
 constexpr double kLeastShareOfImages = 0.25;
-constexpr std::size_t kFewestImages = 16;
+constexpr std::ptrdiff_t kFewestImages = 16;  // that show two moments
 
 bool HasPatch(const cv::Mat& gray, const cv::Point& centre) {
   return centre.x >= kRadius && centre.y >= kRadius && centre.x < gray.cols - kRadius && centre.y < gray.rows - kRadius;
@@ -60,17 +62,19 @@ double Similarity(const cv::Mat& gray, const cv::Point& first, const cv::Point& 
   return variances > 0 ? covariance / std::sqrt(variances) : 0;
 }
 
-// Of one point; empty near the edges of the image.
+// How much more similar the motion of a point makes its image than other shifts; empty near the edges of the image.
 std::optional<double> ExcessAt(const cv::Mat& gray, const MovedPoint& point) {
   const cv::Point2f motion = point.now - point.before;
   const cv::Point here = point.now;
-  const cv::Point nearer = point.now - kShorterShift * motion;
-  const cv::Point there = point.before;
-  const cv::Point farther = point.now - kLongerShift * motion;
-  for (const cv::Point& centre : {here, nearer, there, farther})
-    if (!HasPatch(gray, centre)) return std::nullopt;
-  const double beside = 0.5 * (Similarity(gray, here, nearer) + Similarity(gray, here, farther));
-  return Similarity(gray, here, there) - beside;
+  const cv::Point before = point.before;
+  if (!HasPatch(gray, here) || !HasPatch(gray, before)) return std::nullopt;
+  double other = -1;
+  for (const float shift : kOtherShifts) {
+    const cv::Point there = point.now - shift * motion;
+    if (!HasPatch(gray, there)) return std::nullopt;
+    other = std::max(other, Similarity(gray, here, there));
+  }
+  return Similarity(gray, here, before) - other;
 }
 
 }  // namespace
@@ -90,10 +94,10 @@ void DoubleImages::Add(const cv::Mat& gray, double time, const std::vector<Moved
 }
 
 std::optional<FrameBlending> DoubleImages::Find() const {
-  if (images_.size() < kFewestImages) return std::nullopt;
   const auto is_double = [](const Measured& image) { return image.excess >= kLeastExcess; };
-  const auto count = std::ranges::count_if(images_, is_double);
-  if (static_cast<double>(count) < kLeastShareOfImages * static_cast<double>(images_.size())) return std::nullopt;
+  const std::ptrdiff_t count = std::ranges::count_if(images_, is_double);
+  if (count < kFewestImages || static_cast<double>(count) < kLeastShareOfImages * static_cast<double>(images_.size()))
+    return std::nullopt;
   const auto first = std::ranges::find_if(images_, is_double);
   const auto last = std::find_if(images_.rbegin(), images_.rend(), is_double);
   return FrameBlending{.from = first->time, .to = last->time, .period = 0};

@@ -16,14 +16,15 @@ struct MovedPoint {
   cv::Point2f now;
 };
 
-/// Finds out whether each image shows two moments alike, as blending of frames and strong temporal noise reduction of a
-/// camera make it: what has moved is still seen, weaker, where the image before had it. An image is then similar to
-/// itself when it is shifted by the motion of its points, and less so when it is shifted by more or by less, as no
-/// image of a single moment is, be it sharp or blurred by the motion. It supplements BlendedFrames, which needs weights
-/// that change from image to image.
+/// Finds out whether each image is mixed with the one before, as blending of frames and strong temporal noise reduction
+/// of a camera do it: what has moved is still seen, weaker, where the image before had it. An image is then more
+/// similar to itself when it is shifted by the motion of its points than when it is shifted by more or by less. No
+/// image of a single moment is, be it sharp or blurred by the motion, unless most of it repeats after about the motion,
+/// as railings may. It supplements BlendedFrames, which needs weights that change from image to image.
 class DoubleImages {
  public:
-  /// The next image, 8-bit gray, and points of the scene that move with the camera.
+  /// The next image, 8-bit gray, at `time` seconds, and points that were tracked into it from the image before. Most of
+  /// them have to be of the scene.
   void Add(const cv::Mat& gray, double time, const std::vector<MovedPoint>& points);
 
   /// What the images so far show; empty where they are as they should be, or show too little motion. The period is 0.
@@ -33,7 +34,7 @@ class DoubleImages {
   // An image whose points move far enough.
   struct Measured {
     double time = 0;    // seconds
-    double excess = 0;  // of the similarity at the motion of the points over that beside it
+    double excess = 0;  // of the similarity at the motion of its points over that at other shifts
   };
   std::vector<Measured> images_;
 };

@@ -21,6 +21,10 @@
 namespace turnscale {
 namespace {
 
+constexpr std::string_view kGivenRotationDisagrees =
+    "with this camera rotation most of the path goes sideways, up, down or backwards; let the rotation be estimated "
+    "(--camera-rotation auto)";
+
 // Standard deviation of the yaw of a Q that is only the mean direction of travel, which is off in a drive that turns
 // one way, rad.
 constexpr double kUnobservedYawSigma = 5.0 / kDegreesPerRadian;
@@ -255,7 +259,8 @@ std::string WhyTooSparse(const RescaleOptions& options, const Trajectory& trajec
     turned_unseen += angle;
     intervals.push_back(interval);
   }
-  if (turned_unseen < options.estimator.segments.turns.min_region_angle || turned_unseen < kMostShare * turned)
+  if (intervals.empty() || turned_unseen < options.estimator.segments.turns.min_region_angle ||
+      turned_unseen < kMostShare * turned)
     return "";
   const double tenths = std::round(10 * Median(std::move(intervals)));
   return "in turns the poses are too far apart" +
@@ -274,8 +279,7 @@ void EstimateScaleOf(const RescaleOptions& options, const Trajectory& trajectory
   SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
     result.reason = options.vehicle_from_camera
-                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
-                          "rotation be estimated (--camera-rotation auto)"
+                        ? kGivenRotationDisagrees
                         : "most of the path goes sideways, up, down or backwards, also with the estimated camera "
                           "rotation; check that the poses are world_from_camera, not their inverse";
     return;
@@ -324,8 +328,9 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   if (options.timed) result.assumed_slip = {options.car.side_slip, options.car.side_slip_sigma};
   EstimateScaleOf(options, trajectory, gaps, heights, result);
   if (!result.observable) {
-    if (std::string sparse = WhyTooSparse(options, trajectory, gaps); !sparse.empty() && result.reason != kInversePoses)
-      result.reason = std::move(sparse);
+    const std::string sparse = WhyTooSparse(options, trajectory, gaps);
+    if (!sparse.empty() && result.reason != kInversePoses)
+      result.reason = result.reason == kGivenRotationDisagrees ? result.reason + "; " + sparse : sparse;
     return result;
   }
   BringToMetres(trajectory, result);

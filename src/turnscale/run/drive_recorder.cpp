@@ -50,12 +50,13 @@ FrameResult DriveRecorder::Process(const cv::Mat& gray, double time) {
 std::vector<MovedPoint> DriveRecorder::MovedPoints(const FrameResult& result) {
   std::vector<MovedPoint> points;
   if (result.state == TrackingState::kRepeated) return points;
-  std::unordered_map<int, cv::Point2f> pixels;
+  std::unordered_map<int, TrackedPixel> pixels;
   if (result.state == TrackingState::kTracked) {
     for (const FeatureTrack& track : odometry_.tracks()) {
-      pixels[track.landmark] = track.pixel;
+      pixels[track.landmark] = {track.pixel, track.reference_pixel};
       const auto before = last_pixels_.find(track.landmark);
-      if (before != last_pixels_.end()) points.push_back({before->second, track.pixel});
+      if (before != last_pixels_.end() && before->second.reference == track.reference_pixel)
+        points.push_back({before->second.pixel, track.pixel});
     }
   }
   last_pixels_ = std::move(pixels);
@@ -65,6 +66,7 @@ std::vector<MovedPoint> DriveRecorder::MovedPoints(const FrameResult& result) {
 FrameResult DriveRecorder::ProcessUnreadable(double time, const std::string& problem) {
   FrameResult result = odometry_.ProcessUnreadable(time);
   unreadable_.push_back({result.frame, problem});
+  last_pixels_.clear();
   Keep(result);
   return result;
 }

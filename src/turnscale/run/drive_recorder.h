@@ -65,6 +65,12 @@ class DriveRecorder {
   RunSummary Summary(RunSummary summary, const RefinedResults& results) const;
 
  private:
+  // Where an image shows a landmark. Landmarks may move to other indices; the pixel of their reference view stays.
+  struct TrackedPixel {
+    cv::Point2f pixel;
+    cv::Point2f reference;
+  };
+
   void Keep(const FrameResult& result);
   // Points of the scene that this image and the one before show.
   std::vector<MovedPoint> MovedPoints(const FrameResult& result);
@@ -80,8 +86,8 @@ class DriveRecorder {
   SeenImages seen_;
   BlendedFrames blended_;
   DoubleImages double_;
-  std::unordered_map<int, cv::Point2f>
-      last_pixels_;  // of landmarks in the image before; empty where it was not tracked
+  // Of landmarks, in the image before; empty where it was not tracked.
+  std::unordered_map<int, TrackedPixel> last_pixels_;
   cv::Size image_size_;
   std::vector<RotationRecord> rotations_;
   std::vector<UnreadableFrame> unreadable_;

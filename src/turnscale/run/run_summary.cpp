@@ -173,6 +173,8 @@ std::string PendingReason(const std::vector<FrameResult>& refined, const Refined
   if (!summary.has_measure()) return reason;
   if (summary.blending) {
     reason += "; the images are blended, which may be the cause";
+  } else if (summary.is_upside_down) {
+    reason += "; the images seem to be upside down, which may be the cause";
   } else if (!summary.calibration_agrees) {
     reason += "; the images contradict the calibration, which may be the cause";
   }

@@ -36,6 +36,7 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
 }
 
 std::string TestOfCalibration(const RunSummary& summary) {
+  if (summary.is_upside_down) return "not tested, as the images seem to be upside down";
   if (summary.calibration_windows > 0)
     return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
   std::string text = "not tested, as the drive has no sharp turn";

@@ -272,6 +272,12 @@ TEST(Summarize, ImagesUpsideDownAreNamedAloneIfTheyContradictTheCalibration) {
   summary.rotate = 180;
   Summarize({}, scale, summary);
   EXPECT_EQ(summary.warnings, std::vector{UpsideDownWarning(180)});
+  summary.calibration_windows = 3;
+  summary.calibration_agrees = false;
+  summary.camera = "calib.txt";
+  const std::string text = SummaryText(summary);
+  EXPECT_EQ(text.find("contradicted"), std::string::npos) << text;
+  EXPECT_NE(text.find("calib.txt, not tested, as the images seem to be upside down"), std::string::npos) << text;
 }
 
 // 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
