@@ -238,10 +238,10 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
 std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence) {
   if (blending.period == 0) {
     return fmt::format(
-        "each image also shows what moves where the image before had it (from {:.1f} to {:.1f} s), as blended frames "
-        "or "
-        "strong temporal noise reduction do: {}; use the video as the camera recorded it, and turn temporal noise "
-        "reduction off",
+        "each image seems to contain a weaker copy of the one before (from {:.1f} to {:.1f} s), as blended frames or "
+        "strong temporal noise reduction leave it: {}; use the video as the camera recorded it, and record later "
+        "drives "
+        "without temporal noise reduction",
         blending.from, blending.to, consequence);
   }
   // What an even rhythm is in whole images need not be.

@@ -117,10 +117,11 @@ TEST(BlendedFrames, TheWarningSaysWhatToDo) {
 }
 
 TEST(BlendedFrames, TheWarningOfWeightsThatDoNotChange) {
-  EXPECT_EQ(FrameBlendingText({.from = 1, .to = 20.04, .period = 0}, "the scale may be wrong"),
-            "each image also shows what moves where the image before had it (from 1.0 to 20.0 s), as blended frames or "
-            "strong temporal noise reduction do: the scale may be wrong; use the video as the camera recorded it, and "
-            "turn temporal noise reduction off");
+  EXPECT_EQ(
+      FrameBlendingText({.from = 1, .to = 20.04, .period = 0}, "the scale may be wrong"),
+      "each image seems to contain a weaker copy of the one before (from 1.0 to 20.0 s), as blended frames or "
+      "strong temporal noise reduction leave it: the scale may be wrong; use the video as the camera recorded it, "
+      "and record later drives without temporal noise reduction");
 }
 
 }  // namespace
