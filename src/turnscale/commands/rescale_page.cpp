@@ -15,6 +15,7 @@
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
+#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 namespace {
