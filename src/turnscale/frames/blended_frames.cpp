@@ -240,8 +240,7 @@ std::string FrameBlendingText(const FrameBlending& blending, const std::string& 
     return fmt::format(
         "each image seems to contain a weaker copy of the one before (from {:.1f} to {:.1f} s), as blended frames or "
         "strong temporal noise reduction leave it: {}; use the video as the camera recorded it, and record later "
-        "drives "
-        "without temporal noise reduction",
+        "drives without temporal noise reduction",
         blending.from, blending.to, consequence);
   }
   // What an even rhythm is in whole images need not be.
