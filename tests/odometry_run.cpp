@@ -27,6 +27,8 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.map = odometry.map();
   run.mask = odometry.mask();
   run.upside_down = odometry.is_upside_down();
+  run.mount_jumps = odometry.mount().jumps();
+  if (run.mount_jumps > 0) run.mount_jump = odometry.mount().last_jump();
   return run;
 }
 

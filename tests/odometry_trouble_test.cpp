@@ -5,11 +5,14 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "odometry_run.h"
 #include "street_drive.h"
 #include "turnscale/base/error.h"
+#include "turnscale/geometry/angle.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/run/drive_recorder.h"
 
@@ -216,6 +219,29 @@ TEST(OdometryTrouble, StandingBetweenTurnsDriftsByTheNoiseOfAnImage) {
   }
   EXPECT_LT(std::sqrt(live / static_cast<double>(drives.size())), 0.002);
   EXPECT_LT(std::sqrt(refined / static_cast<double>(drives.size())), 0.002);
+}
+
+TEST(OdometryTrouble, ACameraThatIsKnockedInTheDriveGivesTheSameMetres) {
+  StreetDrive drive = PlainStreetDrive();
+  const Pinhole& pinhole = drive.camera.pinhole;
+  const Eigen::Matrix3d k{{pinhole.fx, 0, pinhole.cx}, {0, pinhole.fy, pinhole.cy}, {0, 0, 1}};
+  const Eigen::Quaterniond before_from_after = RotationFromYawPitchRoll({0.03, 0.01, 0.01});
+  const Eigen::Matrix3d homography = k * before_from_after.conjugate().toRotationMatrix() * k.inverse();
+  cv::Mat warp;
+  cv::eigen2cv(homography, warp);
+  constexpr int kKnock = kStreetFirstTurn + kStreetTurnFrames + 10;  // on the street between the turns
+  SpoilImages(drive, kKnock, kStreetFrames - kKnock, [&](const cv::Mat& image) {
+    cv::Mat turned;
+    cv::warpPerspective(image, turned, warp, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    return turned;
+  });
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectGoodDrive(run, drive);
+  ASSERT_EQ(run.turns.size(), 2U);
+  for (const TurnResult& turn : run.turns) EXPECT_TRUE(turn.used) << turn.reason;
+  ASSERT_EQ(run.mount_jumps, 1);
+  EXPECT_EQ(run.mount_jump->first_frame, kKnock);
+  EXPECT_LT(InDegrees(run.mount_jump->before_from_after.angularDistance(before_from_after)), 0.2);
 }
 
 TEST(OdometryTrouble, RepeatedImagesAreNoStandstill) {

@@ -175,12 +175,9 @@ void DriveScale::Reread(const Map& map) {
 void DriveScale::Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), YawSigma(options_.vehicle, mount_.current())); };
   const auto before = knowledge();
+  mount.TakeJumps(mount_);
   mount_ = std::move(mount);
-  // A move is found many keyframes after it.
-  if (mount_.moves() > 0)
-    std::erase_if(heights_, [moved = mount_.mounts()[1].first_keyframe](const MeasuredHeight& height) {
-      return height.keyframe >= moved;
-    });
+  DropMovedHeights();
   // Another prior of the yaw counts from the start on.
   if (knowledge() != before) checkpoint_.reset();
   const int begin = Restart();
@@ -197,11 +194,26 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, const Readjusted
   if (turn_end) last_turn_end_ = *turn_end;
 }
 
+void DriveScale::AddJump(const Map& map, int keyframe, const MountJump& jump) {
+  mount_.AddJump(keyframe, jump);
+  DropMovedHeights();
+  checkpoint_.reset();
+  const int begin = Restart();
+  for (int k = begin; k < keyframes_; ++k) Feed(map, k);
+  UpdateLive(map, begin);
+}
+
+void DriveScale::DropMovedHeights() {
+  // A move is found some keyframes after it.
+  if (const std::optional<int> moved = mount_.FirstMoved())
+    std::erase_if(heights_, [moved](const MeasuredHeight& height) { return height.keyframe >= *moved; });
+}
+
 int DriveScale::Restart() {
   // A rotation that has changed by more is not only turned: the steps were levelled and cut under another one.
   constexpr double kMostTurned = 0.3 / kDegreesPerRadian;
   if (checkpoint_) {
-    const Eigen::Quaterniond& now = mount_.At(checkpoint_->keyframe);
+    const Eigen::Quaterniond now = mount_.At(checkpoint_->keyframe);
     const Eigen::Quaterniond& then = checkpoint_->vehicle_from_camera;
     if (then.angularDistance(now) <= kMostTurned) {
       builder_ = checkpoint_->builder;
@@ -318,7 +330,12 @@ RefinedScale DriveScale::Refine(const Map& map, bool uses_single_turns) const {
 TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount) {
   const RigidTransform& previous = map.keyframes[step].camera_from_world;
   const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
-  return TurningMotionOf(previous * current.inverse(), mount.At(step + 1));
+  RigidTransform previous_from_current = previous * current.inverse();
+  const Eigen::Quaterniond before = mount.At(step);
+  const Eigen::Quaterniond after = mount.At(step + 1);
+  if (before.coeffs() == after.coeffs()) return TurningMotionOf(previous_from_current, after);
+  previous_from_current.rotation = previous_from_current.rotation * (after.conjugate() * before);
+  return TurningMotionOf(previous_from_current, before);
 }
 
 }  // namespace turnscale

@@ -39,8 +39,11 @@ class DriveScale {
   /// Takes the height measured at the latest keyframe, before Add.
   void AddHeight(const MeasuredHeight& height) {
     // A camera that has been moved may have another height.
-    if (mount_.moves() == 0) heights_.push_back(height);
+    if (!mount_.FirstMoved()) heights_.push_back(height);
   }
+
+  /// The camera jumped on the car before this keyframe of the map, or before the next one. Re-evaluates the drive.
+  void AddJump(const Map& map, int keyframe, const MountJump& jump);
 
   /// Drops all heights, as the images are upside down. Call Reread afterwards: the filter has used them.
   void ForgetHeights() { heights_.clear(); }
@@ -84,6 +87,8 @@ class DriveScale {
   };
   /// Goes back to the checkpoint, or to the start without one. Returns the next keyframe.
   int Restart();
+  /// Drops heights from the first move of the camera on, which may have another height since.
+  void DropMovedHeights();
 
   OdometryOptions options_;
   MountCalibration mount_;
@@ -100,7 +105,7 @@ class DriveScale {
   std::vector<int> unread_turn_ends_;  ///< keyframes that ended used turns which have not been re-evaluated
 };
 
-/// Camera motion of the step from keyframe `step` to the next.
+/// Camera motion of the step from keyframe `step` to the next, without that of the camera on the car.
 TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount);
 
 }  // namespace turnscale

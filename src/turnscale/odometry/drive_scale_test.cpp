@@ -401,6 +401,27 @@ TEST(DriveScale, HeightsFromAfterAMoveOfTheCameraAreNotUsed) {
   EXPECT_EQ(of_both.keyframes, of_before.keyframes);
 }
 
+TEST(DriveScale, AJumpOfTheCameraIsNoMotionOfTheCar) {
+  const Eigen::Quaterniond jump = RotationFromYawPitchRoll({0.02, 0, 0});
+  constexpr int kAt = 100;
+  std::vector<RigidTransform> drive =
+      TrueDrive({{40, 0.8, 0}, {30, 0.6, M_PI / 60}, {40, 0.8, 0}, {30, 0.6, -M_PI / 60}, {40, 0.8, 0}});
+  for (size_t i = kAt; i < drive.size(); ++i) drive[i].rotation = drive[i].rotation * jump;
+  Live live(KnownCar(), drive, kUnits);
+  while (live.map.keyframes.size() < drive.size()) {
+    live.Next();
+    if (CountKeyframes(live.map) == kAt + 3) live.scale.AddJump(live.map, kAt, {kAt, jump});
+  }
+  EXPECT_NEAR(InDegrees(StepMotion(live.map, kAt - 1, live.scale.mount()).psi), 0, 1e-6);
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_TRUE(refined.estimate) << refined.reason;
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.own * kUnits, 1, 7e-4) << turn.first_keyframe;
+  }
+}
+
 TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
   OdometryOptions options = KnownCar();
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 - 0.01, -0.05, 0.01});

@@ -51,7 +51,7 @@ MountCalibration::MountCalibration(const VehicleOptions& vehicle)
 }
 
 Mount MountCalibration::Found(const OnlineState& state) const {
-  Mount found{current().first_keyframe, state.vehicle_from_camera, true, state.sigma};
+  Mount found{mounts_.back().first_keyframe, state.vehicle_from_camera, true, state.sigma};
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
   YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
@@ -72,18 +72,19 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     const int index = next_keyframe_++;
     if (!calibrates_) continue;
     if (keyframe.after_gap) gatherer_.Break();
-    const RigidTransform pose = keyframe.camera_from_world.inverse();
+    RigidTransform pose = keyframe.camera_from_world.inverse();
     if (!pose.IsFinite()) {
       gatherer_.Break();
       continue;
     }
+    if (!jumps_.empty()) pose.rotation = pose.rotation * WithoutJumps(index).conjugate();
     const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, pose});
     if (!step) continue;
     const OnlineState& state = calibration_.Add(*step);
     step_ends_.push_back(index);
     // What the calibration goes on with comes after the move.
     if (state.moved) {
-      mounts_.push_back({step_ends_[step_ends_.size() - state.steps], current().vehicle_from_camera});
+      mounts_.push_back({step_ends_[step_ends_.size() - state.steps], mounts_.back().vehicle_from_camera});
     }
     if (!state.usable) continue;
     // What was known is better than a first, rough estimate.
@@ -97,9 +98,35 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
   }
 }
 
-const Eigen::Quaterniond& MountCalibration::At(int keyframe) const {
+void MountCalibration::AddJump(int keyframe, const MountJump& jump) {
+  const Eigen::Quaterniond start_from_before =
+      jumps_.empty() ? Eigen::Quaterniond::Identity() : jumps_.back().start_from_now;
+  jumps_.push_back({keyframe, jump, (start_from_before * jump.before_from_after).normalized()});
+}
+
+Eigen::Quaterniond MountCalibration::WithoutJumps(int keyframe) const {
+  const auto later = [](int k, const Jump& jump) { return k < jump.first_keyframe; };
+  const auto next = std::upper_bound(jumps_.begin(), jumps_.end(), keyframe, later);
+  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_now;
+}
+
+Eigen::Quaterniond MountCalibration::At(int keyframe) const {
   const auto later = [](int k, const Mount& mount) { return k < mount.first_keyframe; };
-  return std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later))->vehicle_from_camera;
+  const Mount& mount = *std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later));
+  return jumps_.empty() ? mount.vehicle_from_camera : mount.vehicle_from_camera * WithoutJumps(keyframe);
+}
+
+Mount MountCalibration::current() const {
+  Mount mount = mounts_.back();
+  if (!jumps_.empty()) mount.vehicle_from_camera = mount.vehicle_from_camera * jumps_.back().start_from_now;
+  return mount;
+}
+
+std::optional<int> MountCalibration::FirstMoved() const {
+  std::optional<int> first;
+  if (mounts_.size() > 1) first = mounts_[1].first_keyframe;
+  if (!jumps_.empty()) first = std::min(first.value_or(jumps_[0].first_keyframe), jumps_[0].first_keyframe);
+  return first;
 }
 
 }  // namespace turnscale

@@ -10,11 +10,12 @@
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/online_calibration.h"
 #include "turnscale/mapping/map.h"
+#include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {
 
-/// The camera-to-vehicle rotation from a keyframe on, up to the next Mount's.
+/// The camera-to-vehicle rotation from a keyframe on, up to the next Mount's or a jump.
 struct Mount {
   int first_keyframe = 0;
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
@@ -22,7 +23,9 @@ struct Mount {
   YawPitchRoll sigma = {};  ///< rad, if estimated
 };
 
-/// The camera-to-vehicle rotation: as given, or found from the drive (section III).
+/// The camera-to-vehicle rotation: as given, or found from the drive (section III). A camera that is moved has a new
+/// one: after a jump that was measured, what is known of the rotation still holds; after another move, which shows in
+/// the direction of travel, it is found anew.
 class MountCalibration {
  public:
   explicit MountCalibration(const VehicleOptions& vehicle);
@@ -34,16 +37,36 @@ class MountCalibration {
   /// The first keyframe that has not been taken.
   int next_keyframe() const { return next_keyframe_; }
 
-  /// The paper's Q at a keyframe.
-  const Eigen::Quaterniond& At(int keyframe) const;
-  const Mount& current() const { return mounts_.back(); }
+  /// The camera jumped on the car before this keyframe, which may be the next one of the map. It comes after the jumps
+  /// so far.
+  void AddJump(int keyframe, const MountJump& jump);
+  /// Takes the jumps of `other`, which are these and maybe more.
+  void TakeJumps(const MountCalibration& other) { jumps_ = other.jumps_; }
 
-  /// The rotations in use, in the order of time.
+  /// The paper's Q at a keyframe.
+  Eigen::Quaterniond At(int keyframe) const;
+  /// From the last keyframe on, and beyond a jump that comes after it.
+  Mount current() const;
+
+  /// The rotations that were found or given, without jumps, in the order of time.
   const std::vector<Mount>& mounts() const { return mounts_; }
-  /// How often the camera was moved.
+  /// How often the camera was moved without a jump, so that its rotation is found anew.
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
+  /// How often it jumped.
+  int jumps() const { return static_cast<int>(jumps_.size()); }
+  /// The latest jump. There has to be one.
+  const MountJump& last_jump() const { return jumps_.back().jump; }
+  /// The first keyframe after the first move or jump; empty without one.
+  std::optional<int> FirstMoved() const;
 
  private:
+  struct Jump {
+    int first_keyframe = 0;
+    MountJump jump;
+    Eigen::Quaterniond start_from_now;  ///< to camera axes at the start of the drive, moves without a jump left out
+  };
+  /// From camera axes at a keyframe to those that the camera would have there without the jumps.
+  Eigen::Quaterniond WithoutJumps(int keyframe) const;
   /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
   /// each other; none where the yaw does.
   Mount Found(const OnlineState& state) const;
@@ -53,7 +76,8 @@ class MountCalibration {
   YawPitchRoll known_sigma_;           ///< rad
   StepGatherer gatherer_;
   OnlineCalibration calibration_;
-  std::vector<Mount> mounts_;
+  std::vector<Mount> mounts_;  ///< of a camera without jumps
+  std::vector<Jump> jumps_;
   std::vector<int> step_ends_;  ///< keyframes
   int next_keyframe_ = 0;
 };

@@ -168,5 +168,33 @@ TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   EXPECT_LT(DegreesBetween(mount.At(Last(map)), moved), 0.003);
 }
 
+TEST(MountCalibration, AfterAJumpTheRotationIsKnownAtOnce) {
+  const Eigen::Quaterniond jump = RotationFromYawPitchRoll({0.03, -0.02, 0.01});
+  Map map;
+  Append(Blocks(2), kTurned, map);
+  const int at = CountKeyframes(map);
+  Append(Blocks(2), kTurned, map);
+  for (int k = at; k < CountKeyframes(map); ++k) {
+    RigidTransform pose = map.keyframes[k].camera_from_world.inverse();
+    pose.rotation = pose.rotation * jump;
+    map.keyframes[k].camera_from_world = pose.inverse();
+  }
+  MountCalibration mount{VehicleOptions()};
+  EXPECT_FALSE(mount.FirstMoved());
+  mount.Learn(map, at - 1);
+  MountCalibration copy = mount;
+  mount.AddJump(at, {at, jump});
+  EXPECT_LT(DegreesBetween(mount.At(at - 1), kTurned), 1e-3);
+  EXPECT_LT(DegreesBetween(mount.At(at), kTurned * jump), 1e-3);
+  EXPECT_LT(DegreesBetween(mount.current().vehicle_from_camera, kTurned * jump), 1e-3);
+  EXPECT_EQ(mount.FirstMoved(), at);
+  EXPECT_EQ(mount.jumps(), 1);
+  copy.TakeJumps(mount);
+  copy.Learn(map, Last(map));
+  EXPECT_EQ(copy.moves(), 0) << "nothing is found anew";
+  EXPECT_LT(DegreesBetween(copy.At(at - 1), kTurned), 1e-3);
+  EXPECT_LT(DegreesBetween(copy.At(Last(map)), kTurned * jump), 1e-3);
+}
+
 }  // namespace
 }  // namespace turnscale

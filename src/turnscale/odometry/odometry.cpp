@@ -205,13 +205,24 @@ TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, 
   result.state = TrackingState::kTracked;
   lost_frames_ = 0;
   last_seen_time_ = result.time;
+  ObserveMount(result, *tracked.camera_from_world);
   motion_.Update(result.time, *tracked.camera_from_world);
   return tracked;
+}
+
+void Odometry::ObserveMount(const FrameResult& result, const RigidTransform& camera_from_world) {
+  const std::optional<MountJump> jump =
+      mount_jumps_.Add(result.frame, result.time, motion_.last() * camera_from_world.inverse(),
+                       mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
+  if (!jump) return;
+  const auto keyframe = std::ranges::lower_bound(map_.keyframes, jump->first_frame, {}, &Keyframe::frame);
+  scale_.AddJump(map_, static_cast<int>(keyframe - map_.keyframes.begin()), *jump);
 }
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
   const bool is_unreadable = result.state == TrackingState::kUnreadable;
   if (!is_unreadable) result.state = TrackingState::kBridged;
+  mount_jumps_.Break();
   const TrackingOptions& limits = options_.tracking;
   const bool has_map = !waits_for_map();
   const bool stood = has_map && tracker_.HasStood();

@@ -20,6 +20,7 @@
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/map_upkeep.h"
 #include "turnscale/odometry/motion_model.h"
+#include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
@@ -108,6 +109,8 @@ class Odometry {
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
   TrackedFrame Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result);
+  /// Takes the motion of a frame that was tracked, before motion_ does: it may show that the camera jumped on the car.
+  void ObserveMount(const FrameResult& result, const RigidTransform& camera_from_world);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
   /// The latest frame becomes a keyframe.
@@ -148,6 +151,7 @@ class Odometry {
   std::optional<MapInitializer> initializer_;  ///< while there is no map to track against
   FrameTracker tracker_;
   MotionModel motion_;
+  MountJumpDetector mount_jumps_;
   Map map_;
   MapUpkeep upkeep_;
   CameraRefinement camera_refinement_;

@@ -20,9 +20,13 @@ void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunS
   summary.lens_model = camera.lens;
   if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
   if (!options.vehicle.calibrate_camera) return;
-  const Mount& mount = odometry.mount().current();
-  summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
-                   odometry.mount().moves()};
+  const MountCalibration& calibration = odometry.mount();
+  const Mount mount = calibration.current();
+  summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
+                   .sigma = mount.sigma,
+                   .found = mount.found,
+                   .moves = calibration.moves() + calibration.jumps(),
+                   .is_outdated = !mount.found && calibration.moves() > 0};
 }
 
 std::vector<MapRestart> RestartsOf(const Map& map) {
@@ -78,8 +82,12 @@ void DriveRecorder::Keep(const FrameResult& result) {
   if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
     live_metric_from_ = result.time;
   RecordRotation(result.frame, result.time, odometry_.mount().current(), rotations_);
-  camera_moved_ = odometry_.mount().moves() > moves_;
-  moves_ = odometry_.mount().moves();
+  const MountCalibration& mount = odometry_.mount();
+  move_warning_.clear();
+  if (mount.moves() > moves_) move_warning_ = CameraMovedWarning(result.frame);
+  if (mount.jumps() > jumps_) move_warning_ = CameraJumpWarning(mount.last_jump());
+  moves_ = mount.moves();
+  jumps_ = mount.jumps();
 }
 
 void DriveRecorder::Finish() {

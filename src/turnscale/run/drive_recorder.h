@@ -49,8 +49,8 @@ class DriveRecorder {
   /// There is a map, or there was.
   bool tracks() const { return tracks_; }
 
-  /// The last frame showed that the camera was moved on the car.
-  bool camera_moved() const { return camera_moved_; }
+  /// Warning if the last frame showed that the camera was moved on the car; else empty.
+  const std::string& move_warning() const { return move_warning_; }
 
   /// The images before the map.
   const SeenImages& seen() const { return seen_; }
@@ -81,8 +81,9 @@ class DriveRecorder {
   int frames_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;
-  bool camera_moved_ = false;
+  std::string move_warning_;
   int moves_ = 0;  // of the camera on the car
+  int jumps_ = 0;
   SeenImages seen_;
   BlendedFrames blended_;
   DoubleImages double_;

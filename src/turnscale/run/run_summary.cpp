@@ -353,6 +353,13 @@ std::string CameraMovedWarning(int frame) {
                      frame);
 }
 
+std::string CameraJumpWarning(const MountJump& jump) {
+  return fmt::format(
+      "frame {}: the camera was turned on the car by {:.1f} degrees, as by a knock; the camera-to-vehicle rotation "
+      "includes it from there on",
+      jump.first_frame, InDegrees(VectorFromRotation(jump.before_from_after).norm()));
+}
+
 std::string UpsideDownWarning(int rotated) {
   return "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in "
          "the path; " +

@@ -13,6 +13,7 @@
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/self_calibration.h"
@@ -33,8 +34,11 @@ std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate
 /// Warning that a frame is skipped, and why.
 std::string SkippedWarning(int frame, const std::string& problem);
 
-/// Warning where the odometry finds that the camera was moved on the car.
+/// Warning where the odometry finds, at this frame, that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);
+
+/// Warning where the camera has jumped on the car.
+std::string CameraJumpWarning(const MountJump& jump);
 
 /// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
 std::string UpsideDownWarning(int rotated);
@@ -85,6 +89,8 @@ struct MountSummary {
   YawPitchRoll sigma;   ///< rad
   bool found = false;   ///< estimated well enough to be used
   int moves = 0;        ///< how often the camera was moved during the drive
+  /// It is from before a move, after which it has not been estimated again.
+  bool is_outdated = false;
 };
 
 /// Where tracking was lost for so long that the map began anew, in a guessed unit of length.

@@ -61,7 +61,7 @@ nlohmann::ordered_json MissingJson(const RunSummary& summary) {
 const char* RotationSource(const RunSummary& summary) {
   if (!summary.mount) return "given";
   if (summary.mount->found) return "found";
-  if (summary.mount->moves > 0) return "before the move";
+  if (summary.mount->is_outdated) return "before the move";
   return summary.vehicle.camera_known ? "given" : "assumed";
 }
 

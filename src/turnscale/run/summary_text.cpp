@@ -87,7 +87,7 @@ std::string YawCorrectionText(const RunSummary& summary, double yaw) {
 // One line.
 std::string MountText(const RunSummary& summary) {
   const std::optional<MountSummary>& mount = summary.mount;
-  if (mount && !mount->found && mount->moves > 0)
+  if (mount && mount->is_outdated)
     return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used\n",
                        Times(mount->moves));
   if (!mount || !mount->found) {
