@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "turnscale/kinematics/ackermann.h"
@@ -98,6 +99,20 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
   refined.constrained = true;
   refined.path = {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)};
   return recovered.factors;
+}
+
+double DifferenceFromInterpolated(const RefinedScale& adjusted, const RefinedScale& interpolated) {
+  constexpr double kMostSigmas = 2;
+  const std::vector<Eigen::Vector3d>& centres = interpolated.path.centres;
+  const std::vector<Eigen::Vector3d>& others = adjusted.path.centres;
+  double length = 0;
+  double difference = 0;
+  for (std::size_t k = 1; k < centres.size(); ++k) {
+    const double step = (centres[k] - centres[k - 1]).norm();
+    length += step;
+    difference += std::abs((others[k] - others[k - 1]).norm() - step);
+  }
+  return difference > kMostSigmas * interpolated.estimate->length_sigma * length ? difference / length : 0.0;
 }
 
 }  // namespace turnscale

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/constrained_turns.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -194,6 +195,21 @@ TEST(ConstrainedTurns, WithoutATurnTheMapStaysAsItIs) {
   EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
   EXPECT_EQ(KeyframeCentres(finished.map), before);
   EXPECT_FALSE(refined.constrained);
+}
+
+TEST(ConstrainedTurns, APathOfOtherLengthsDiffersFromTheInterpolatedOne) {
+  // The first half has this length, in place of 10 m; the second one has 10 m.
+  const auto path = [](double first_half) {
+    RefinedScale refined;
+    refined.estimate.emplace().length_sigma = 0.05;
+    for (int k = 0; k <= 20; ++k)
+      refined.path.centres.emplace_back(0, 0, std::min(0.1 * k, 1.0) * first_half + std::max(0, k - 10));
+    return refined;
+  };
+  EXPECT_EQ(DifferenceFromInterpolated(path(10), path(10)), 0);
+  EXPECT_EQ(DifferenceFromInterpolated(path(11.8), path(10)), 0) << "9 %";
+  EXPECT_NEAR(DifferenceFromInterpolated(path(14), path(10)), 0.2, 1e-9);
+  EXPECT_NEAR(DifferenceFromInterpolated(path(6), path(10)), 0.2, 1e-9);
 }
 
 TEST(ConstrainedTurns, AMapWithAPoseThatIsNotFiniteStaysAsItIs) {

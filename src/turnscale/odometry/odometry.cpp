@@ -328,6 +328,11 @@ void Odometry::ConstrainTurnsOfDrive() {
   ArchivedPart drive = archive.Load(0, archive.end(), map_);
   RefinedScale constrained = *refined_;
   const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
+  if (const double difference = DifferenceFromInterpolated(constrained, *refined_); difference > 0) {
+    // As a fallback, the scale of each turn is kept, and interpolated between them.
+    if (options_.scale.method == ScaleMethod::kSmoothed) return;
+    constrained.estimate->length_sigma = std::hypot(constrained.estimate->length_sigma, difference);
+  }
   archive.Store(drive);
   refined_ = std::move(constrained);
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
