@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -10,6 +11,7 @@
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>

@@ -84,7 +84,7 @@ void FrameByFrame::SetMask(const py::array& mask) {
 }
 
 LiveFrame FrameByFrame::Keep(const FrameResult& result) {
-  if (!recorder_.move_warning().empty()) warnings_.push_back(recorder_.move_warning());
+  for (const std::string& warning : recorder_.move_warnings()) warnings_.push_back(warning);
   if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
   LiveFrame frame;
   frame.result = result;

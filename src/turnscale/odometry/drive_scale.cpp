@@ -175,9 +175,16 @@ void DriveScale::Reread(const Map& map) {
 void DriveScale::Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), YawSigma(options_.vehicle, mount_.current())); };
   const auto before = knowledge();
-  mount.TakeJumps(mount_);
-  mount_ = std::move(mount);
-  DropMovedHeights();
+  // What has been learned without knowing of a jump is wrong; these keyframes are learned from next time.
+  if (!mount_.HasJumpsMissedBy(mount)) {
+    mount.TakeJumps(mount_);
+    mount_ = std::move(mount);
+  }
+  // A move is found many keyframes after it.
+  if (mount_.moves() > 0)
+    std::erase_if(heights_, [moved = mount_.mounts()[1].first_keyframe](const MeasuredHeight& height) {
+      return height.keyframe >= moved;
+    });
   // Another prior of the yaw counts from the start on.
   if (knowledge() != before) checkpoint_.reset();
   const int begin = Restart();
@@ -196,17 +203,13 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, const Readjusted
 
 void DriveScale::AddJump(const Map& map, int keyframe, const MountJump& jump) {
   mount_.AddJump(keyframe, jump);
-  DropMovedHeights();
-  checkpoint_.reset();
+  if (checkpoint_ && checkpoint_->keyframe > keyframe) checkpoint_.reset();
+  // The jump may have looked like a turn.
   const int begin = Restart();
-  for (int k = begin; k < keyframes_; ++k) Feed(map, k);
+  std::erase_if(unread_turn_ends_, [begin](int end) { return end >= begin; });
+  keyframes_ = begin;
+  Add(map);
   UpdateLive(map, begin);
-}
-
-void DriveScale::DropMovedHeights() {
-  // A move is found some keyframes after it.
-  if (const std::optional<int> moved = mount_.FirstMoved())
-    std::erase_if(heights_, [moved](const MeasuredHeight& height) { return height.keyframe >= *moved; });
 }
 
 int DriveScale::Restart() {

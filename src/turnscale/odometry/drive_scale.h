@@ -13,6 +13,7 @@
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/readjustment.h"
 #include "turnscale/odometry/refined_scale.h"
@@ -39,7 +40,7 @@ class DriveScale {
   /// Takes the height measured at the latest keyframe, before Add.
   void AddHeight(const MeasuredHeight& height) {
     // A camera that has been moved may have another height.
-    if (!mount_.FirstMoved()) heights_.push_back(height);
+    if (mount_.moves() == 0) heights_.push_back(height);
   }
 
   /// The camera jumped on the car before this keyframe of the map, or before the next one. Re-evaluates the drive.
@@ -87,8 +88,6 @@ class DriveScale {
   };
   /// Goes back to the checkpoint, or to the start without one. Returns the next keyframe.
   int Restart();
-  /// Drops heights from the first move of the camera on, which may have another height since.
-  void DropMovedHeights();
 
   OdometryOptions options_;
   MountCalibration mount_;

@@ -77,7 +77,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
       gatherer_.Break();
       continue;
     }
-    if (!jumps_.empty()) pose.rotation = pose.rotation * WithoutJumps(index).conjugate();
+    if (!jumps_.empty()) pose.rotation = pose.rotation * StartFromKeyframe(index).conjugate();
     const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, pose});
     if (!step) continue;
     const OnlineState& state = calibration_.Add(*step);
@@ -100,33 +100,32 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
 
 void MountCalibration::AddJump(int keyframe, const MountJump& jump) {
   const Eigen::Quaterniond start_from_before =
-      jumps_.empty() ? Eigen::Quaterniond::Identity() : jumps_.back().start_from_now;
+      jumps_.empty() ? Eigen::Quaterniond::Identity() : jumps_.back().start_from_after;
   jumps_.push_back({keyframe, jump, (start_from_before * jump.before_from_after).normalized()});
 }
 
-Eigen::Quaterniond MountCalibration::WithoutJumps(int keyframe) const {
+Eigen::Quaterniond MountCalibration::StartFromKeyframe(int keyframe) const {
   const auto later = [](int k, const Jump& jump) { return k < jump.first_keyframe; };
   const auto next = std::upper_bound(jumps_.begin(), jumps_.end(), keyframe, later);
-  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_now;
+  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
 }
 
 Eigen::Quaterniond MountCalibration::At(int keyframe) const {
   const auto later = [](int k, const Mount& mount) { return k < mount.first_keyframe; };
   const Mount& mount = *std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later));
-  return jumps_.empty() ? mount.vehicle_from_camera : mount.vehicle_from_camera * WithoutJumps(keyframe);
+  return jumps_.empty() ? mount.vehicle_from_camera : mount.vehicle_from_camera * StartFromKeyframe(keyframe);
 }
 
 Mount MountCalibration::current() const {
   Mount mount = mounts_.back();
-  if (!jumps_.empty()) mount.vehicle_from_camera = mount.vehicle_from_camera * jumps_.back().start_from_now;
+  if (!jumps_.empty()) mount.vehicle_from_camera = mount.vehicle_from_camera * jumps_.back().start_from_after;
+  for (const Jump& jump : jumps_) mount.sigma.yaw = std::hypot(mount.sigma.yaw, jump.jump.yaw_sigma);
   return mount;
 }
 
-std::optional<int> MountCalibration::FirstMoved() const {
-  std::optional<int> first;
-  if (mounts_.size() > 1) first = mounts_[1].first_keyframe;
-  if (!jumps_.empty()) first = std::min(first.value_or(jumps_[0].first_keyframe), jumps_[0].first_keyframe);
-  return first;
+bool MountCalibration::HasJumpsMissedBy(const MountCalibration& other) const {
+  return std::any_of(jumps_.begin() + other.jumps(), jumps_.end(),
+                     [&](const Jump& jump) { return jump.first_keyframe < other.next_keyframe(); });
 }
 
 }  // namespace turnscale

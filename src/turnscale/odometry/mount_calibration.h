@@ -15,7 +15,7 @@
 
 namespace turnscale {
 
-/// The camera-to-vehicle rotation from a keyframe on, up to the next Mount's or a jump.
+/// The camera-to-vehicle rotation from a keyframe on.
 struct Mount {
   int first_keyframe = 0;
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
@@ -45,10 +45,11 @@ class MountCalibration {
 
   /// The paper's Q at a keyframe.
   Eigen::Quaterniond At(int keyframe) const;
-  /// From the last keyframe on, and beyond a jump that comes after it.
+  /// The latest rotation, after all jumps; the sigma of its yaw includes theirs.
   Mount current() const;
 
-  /// The rotations that were found or given, without jumps, in the order of time.
+  /// The rotations that were given or found, each from its move on to the next one, in the order of time. Those of a
+  /// camera that has not jumped.
   const std::vector<Mount>& mounts() const { return mounts_; }
   /// How often the camera was moved without a jump, so that its rotation is found anew.
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
@@ -56,17 +57,18 @@ class MountCalibration {
   int jumps() const { return static_cast<int>(jumps_.size()); }
   /// The latest jump. There has to be one.
   const MountJump& last_jump() const { return jumps_.back().jump; }
-  /// The first keyframe after the first move or jump; empty without one.
-  std::optional<int> FirstMoved() const;
+  /// Whether jumps that `other` lacks come before keyframes that it has taken.
+  bool HasJumpsMissedBy(const MountCalibration& other) const;
 
  private:
   struct Jump {
     int first_keyframe = 0;
     MountJump jump;
-    Eigen::Quaterniond start_from_now;  ///< to camera axes at the start of the drive, moves without a jump left out
+    /// Rotation of camera axes, by this jump and all before it.
+    Eigen::Quaterniond start_from_after = Eigen::Quaterniond::Identity();
   };
-  /// From camera axes at a keyframe to those that the camera would have there without the jumps.
-  Eigen::Quaterniond WithoutJumps(int keyframe) const;
+  /// Rotation of camera axes by all jumps up to a keyframe.
+  Eigen::Quaterniond StartFromKeyframe(int keyframe) const;
   /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
   /// each other; none where the yaw does.
   Mount Found(const OnlineState& state) const;

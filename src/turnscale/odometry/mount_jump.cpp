@@ -17,23 +17,27 @@ constexpr double kInterval = 0.08;
 // Intervals on each side that show how the car turns, and those between them that a jump may take.
 constexpr std::size_t kBeside = 2;
 constexpr std::size_t kMostWithin = 2;
-// The longest interval over the shortest. Where images are missing, a turn looks like a jump.
+// The longest interval beside a jump over the shortest, and that with the jump over the shortest. Where images are
+// missing and their times are wrong, a turn looks like a jump.
 constexpr double kMostUneven = 1.6;
+constexpr double kMostUnevenWithin = 2.2;
 // Distance of an interval with a jump over that of the intervals beside it.
 constexpr double kMostStretch = 1.5;
 // Smallest jump, rad, and its growth with the square of the time that it takes, rad/s^2. In the ground truth of KITTI
 // (23,000 frames) the yaw within 0.1 s differs by up to 0.5 degrees from that of the intervals beside it, within 0.2 s
 // by up to 2.6 degrees.
 constexpr double kLeastJump = 0.5 / kDegreesPerRadian;
-constexpr double kJumpGrowth = 50 / kDegreesPerRadian;
-// How much the yaw changes among the intervals beside it, in the time of the jump, over the jump: beyond this, a part
-// of the jump is there, or the car begins a turn.
+constexpr double kJumpGrowth = 60 / kDegreesPerRadian;
+// Largest spread of the yaw rates beside a jump, times its duration, relative to it. More: a part of the jump lies
+// outside, or the car begins a turn.
 constexpr double kMostUnrest = 0.3;
+// Standard deviation of the yaw of a jump, rad, where the intervals beside it show the same rate.
+constexpr double kYawSigma = 0.1 / kDegreesPerRadian;
 
 // Motion along an interval between two frames.
 struct Motion {
   double seconds = 0;
-  Eigen::Vector3d rotation;  // rad
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  // rad
   double distance = 0;
 
   Eigen::Vector3d rate() const { return rotation / seconds; }
@@ -47,53 +51,86 @@ double Weaker(double a, double b) {
 
 }  // namespace
 
+void MountJumpDetector::Break() {
+  frames_.clear();
+  best_.reset();
+}
+
+void MountJumpDetector::CorrectLast(const RigidTransform& last_from_corrected) {
+  if (frames_.empty() || !last_from_corrected.IsFinite()) return;
+  RigidTransform& last = frames_.back().world_from_camera;
+  last = last * last_from_corrected;
+}
+
 std::optional<MountJump> MountJumpDetector::Add(int frame, double time, const RigidTransform& previous_from_current,
                                                 const Eigen::Vector3d& vertical) {
+  if (!previous_from_current.IsFinite()) {
+    Break();
+    return std::nullopt;
+  }
   frames_.push_back(
       {frame, time, frames_.empty() ? RigidTransform() : frames_.back().world_from_camera * previous_from_current});
+  if (const std::optional<Candidate> now = JumpNow(vertical)) {
+    if (!best_ || now->unrest < best_->unrest) best_ = now;
+    return std::nullopt;
+  }
+  if (!best_) return std::nullopt;
+  const MountJump jump = best_->jump;
+  best_.reset();
+  // The motion after it is that before the next one.
+  std::erase_if(frames_, [&](const Frame& earlier) { return earlier.number < jump.first_frame; });
+  return jump;
+}
+
+// The jump that the latest frames show.
+std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpNow(const Eigen::Vector3d& vertical) {
   // Rounding makes intervals of equal length unequal.
   constexpr double kRounding = 1e-6;
+  constexpr std::size_t kMostSamples = 2 * kBeside + kMostWithin + 1;
   std::vector<std::size_t> samples = {frames_.size() - 1};
-  for (std::size_t i = frames_.size() - 1; i-- > 0 && samples.size() < 2 * kBeside + kMostWithin + 1;)
+  for (std::size_t i = frames_.size() - 1; i-- > 0 && samples.size() < kMostSamples;)
     if (frames_[samples.back()].time - frames_[i].time > kInterval - kRounding) samples.push_back(i);
   std::ranges::reverse(samples);
+  std::optional<Candidate> best;
   for (std::size_t within = 1; within <= kMostWithin; ++within) {
     const std::size_t count = 2 * kBeside + within + 1;
     if (samples.size() < count) break;
-    const std::optional<MountJump> jump = JumpBetween(std::span(samples).last(count), vertical);
-    if (!jump) continue;
-    // The motion after it is that before the next one.
-    std::erase_if(frames_, [&](const Frame& earlier) { return earlier.number < jump->first_frame; });
-    return jump;
+    const std::optional<Candidate> candidate = JumpBetween(std::span(samples).last(count), vertical);
+    if (candidate && (!best || candidate->unrest < best->unrest)) best = candidate;
   }
-  if (samples.size() == 2 * kBeside + kMostWithin + 1)
+  if (samples.size() == kMostSamples)
     frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(samples.front()));
-  return std::nullopt;
+  return best;
 }
 
 // A jump between the second of the samples and the second from the end.
-std::optional<MountJump> MountJumpDetector::JumpBetween(std::span<const std::size_t> samples,
-                                                        const Eigen::Vector3d& vertical) const {
+std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::span<const std::size_t> samples,
+                                                                           const Eigen::Vector3d& vertical) const {
   const auto motion = [&](std::size_t first, std::size_t last) {
     const RigidTransform first_from_last = frames_[first].world_from_camera.inverse() * frames_[last].world_from_camera;
     return Motion{frames_[last].time - frames_[first].time, VectorFromRotation(first_from_last.rotation),
                   first_from_last.translation.norm()};
   };
-  double shortest = std::numeric_limits<double>::infinity();
-  double longest = 0;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double seconds = frames_[samples[i]].time - frames_[samples[i - 1]].time;
-    shortest = std::min(shortest, seconds);
-    longest = std::max(longest, seconds);
-  }
-  if (longest > kMostUneven * shortest) return std::nullopt;
-
   const std::size_t end = samples.size() - 1;
   const Motion within = motion(samples[kBeside], samples[end - kBeside]);
   const Motion before = motion(samples[kBeside - 1], samples[kBeside]);
   const Motion after = motion(samples[end - kBeside], samples[end - kBeside + 1]);
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = 0;
+  double slowest = std::numeric_limits<double>::infinity();
+  double fastest = -slowest;
+  for (std::size_t i = 0; i < end; ++i) {
+    if (i >= kBeside && i < end - kBeside) continue;
+    const Motion beside = motion(samples[i], samples[i + 1]);
+    shortest = std::min(shortest, beside.seconds);
+    longest = std::max(longest, beside.seconds);
+    slowest = std::min(slowest, vertical.dot(beside.rate()));
+    fastest = std::max(fastest, vertical.dot(beside.rate()));
+  }
+  const auto intervals = static_cast<double>(end - 2 * kBeside);
+  if (longest > kMostUneven * shortest || within.seconds > kMostUnevenWithin * intervals * shortest)
+    return std::nullopt;
   const double distance_beside = before.distance + after.distance;
-  const double intervals = static_cast<double>(end - 2 * kBeside);
   if (!(within.distance <= 0.5 * kMostStretch * intervals * distance_beside)) return std::nullopt;
 
   const Eigen::Vector3d turned = 0.5 * within.seconds * (before.rate() + after.rate());
@@ -103,15 +140,8 @@ std::optional<MountJump> MountJumpDetector::JumpBetween(std::span<const std::siz
   const double jump = Weaker(by_time, by_distance);
   if (!(std::abs(jump) > kLeastJump + kJumpGrowth * within.seconds * within.seconds)) return std::nullopt;
 
-  double slowest = std::numeric_limits<double>::infinity();
-  double fastest = -slowest;
-  for (std::size_t i = 0; i < end; ++i) {
-    if (i >= kBeside && i < end - kBeside) continue;
-    const double rate = vertical.dot(motion(samples[i], samples[i + 1]).rate());
-    slowest = std::min(slowest, rate);
-    fastest = std::max(fastest, rate);
-  }
-  if ((fastest - slowest) * within.seconds > kMostUnrest * std::abs(jump)) return std::nullopt;
+  const double unrest = (fastest - slowest) * within.seconds;
+  if (unrest > kMostUnrest * std::abs(jump)) return std::nullopt;
 
   // The first frame after the jump: where most of it takes place.
   const double car_rate = vertical.dot(turned) / within.seconds;
@@ -123,7 +153,11 @@ std::optional<MountJump> MountJumpDetector::JumpBetween(std::span<const std::siz
     largest = rate;
     first = i;
   }
-  return MountJump{frames_[first].number, RotationFromVector(turned).conjugate() * RotationFromVector(within.rotation)};
+  return Candidate{
+      .jump = {.first_frame = frames_[first].number,
+               .before_from_after = RotationFromVector(turned).conjugate() * RotationFromVector(within.rotation),
+               .yaw_sigma = std::hypot(kYawSigma, 0.5 * unrest)},
+      .unrest = unrest};
 }
 
 }  // namespace turnscale

@@ -14,23 +14,28 @@ namespace turnscale {
 
 /// The camera was turned on the car between two frames, as by a knock.
 struct MountJump {
-  int first_frame = 0;                   ///< the first one after it
-  Eigen::Quaterniond before_from_after;  ///< to camera axes before it from those after it
+  int first_frame = 0;                                                    ///< the first one after it
+  Eigen::Quaterniond before_from_after = Eigen::Quaterniond::Identity();  ///< rotation of camera axes
+  double yaw_sigma = 0;                                                   ///< standard deviation of its yaw, rad
 };
 
-/// Detects jumps of the camera's yaw on the car, from the motion between frames. Within a tenth or a fifth of a second,
-/// the heading of a car does not change by much more than its rate before and after implies, nor by more than the
-/// curvature of its path implies. A jump that takes longer, or of a camera that swings back, is not detected.
+/// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within 0.08 to 0.2 s (or
+/// within one or two intervals of frames that are further apart) differs from what the turning rates before and after
+/// it imply, and from what the curvature of the path implies, by more than that of a car does. It does not detect
+/// slower moves, jumps where the car begins or ends a turn or stands still, and a camera that swings back.
 class MountJumpDetector {
  public:
   /// Takes the next frame that was tracked, at `time` seconds. `previous_from_current`: its motion since the last one
-  /// that was taken; not used for the first one. `vertical`: axis of the car's yaw in camera axes, downwards. A jump is
-  /// detected some tenths of a second later.
+  /// that was taken; not used for the first one. `vertical`: unit vector along the car's vertical, downwards, in camera
+  /// axes. A jump is detected some intervals after it.
   std::optional<MountJump> Add(int frame, double time, const RigidTransform& previous_from_current,
                                const Eigen::Vector3d& vertical);
 
+  /// The pose of the last frame has been corrected.
+  void CorrectLast(const RigidTransform& last_from_corrected);
+
   /// The next frame does not follow the last one: its motion since then is not measured.
-  void Break() { frames_.clear(); }
+  void Break();
 
  private:
   struct Frame {
@@ -38,9 +43,15 @@ class MountJumpDetector {
     double time = 0;
     RigidTransform world_from_camera;  // of a world of its own
   };
-  std::optional<MountJump> JumpBetween(std::span<const std::size_t> samples, const Eigen::Vector3d& vertical) const;
+  struct Candidate {
+    MountJump jump;
+    double unrest = 0;  // of the intervals beside it: change of the yaw, rad
+  };
+  std::optional<Candidate> JumpBetween(std::span<const std::size_t> samples, const Eigen::Vector3d& vertical) const;
+  std::optional<Candidate> JumpNow(const Eigen::Vector3d& vertical);
 
   std::deque<Frame> frames_;
+  std::optional<Candidate> best_;  // of the intervals that show the jump, the one with the least unrest beside it
 };
 
 }  // namespace turnscale

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/mount_jump.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "turnscale/geometry/angle.h"
+#include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -104,13 +108,50 @@ TEST(MountJump, TwoKnocksAreTwoJumps) {
   EXPECT_EQ(jumps[1].first_frame, 65);
 }
 
+TEST(MountJump, AKnockThatSpoilsAnImageIsMeasured) {
+  Frames frames = Bend(30);
+  constexpr std::ptrdiff_t kFirst = 195;
+  Turn(Yaw(4), kFirst, frames);
+  frames.times.erase(frames.times.begin() + kFirst);
+  frames.world_from_camera.erase(frames.world_from_camera.begin() + kFirst);
+  const std::vector<MountJump> jumps = JumpsOf(frames);
+  ASSERT_EQ(jumps.size(), 1U);
+  EXPECT_LT(InDegrees(jumps[0].before_from_after.angularDistance(Yaw(4))), 0.2);
+}
+
+TEST(MountJump, APoseThatIsCorrectedOrNotFiniteIsNoJump) {
+  const Frames frames = Bend(10);
+  MountJumpDetector detector;
+  for (std::size_t i = 0; i < frames.times.size(); ++i) {
+    RigidTransform motion =
+        i > 0 ? frames.world_from_camera[i - 1].inverse() * frames.world_from_camera[i] : RigidTransform();
+    if (i == 20) motion.rotation = motion.rotation * Yaw(3);
+    if (i == 60) motion.translation.x() = std::nan("");
+    EXPECT_FALSE(detector.Add(static_cast<int>(i), frames.times[i], motion, Eigen::Vector3d::UnitY())) << i;
+    if (i == 20) detector.CorrectLast({Yaw(-3), Eigen::Vector3d::Zero()});
+  }
+}
+
+TEST(MountJump, TheNoiseOfACarThatStandsIsNoJump) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise;
+  Frames frames;
+  for (int i = 0; i < 600; ++i) {
+    const Eigen::Vector3d turn = 3e-4 * Eigen::Vector3d(noise(random), noise(random), noise(random));
+    const Eigen::Vector3d shift = 0.005 * Eigen::Vector3d(noise(random), noise(random), noise(random));
+    frames.times.push_back(i / 30.0);
+    frames.world_from_camera.push_back({RotationFromVector(turn), shift});
+  }
+  EXPECT_TRUE(JumpsOf(frames).empty());
+}
+
 TEST(MountJump, NoTurnOfACarIsAJump) {
   for (const double fps : {5, 7, 10, 30, 60})
     for (const double turn_in : {0.5, 0.8, 2.0})
       EXPECT_TRUE(JumpsOf(Bend(fps, turn_in)).empty()) << fps << ' ' << turn_in;
 }
 
-TEST(MountJump, NeitherIsWhatSwingsBack) {
+TEST(MountJump, AMotionThatSwingsBackIsNoJump) {
   Frames nod = Bend(10);
   for (std::size_t i = 20; i < 24; ++i)
     nod.world_from_camera[i].rotation = nod.world_from_camera[i].rotation * RotationFromVector({0.02, 0, 0.02});
@@ -120,7 +161,7 @@ TEST(MountJump, NeitherIsWhatSwingsBack) {
   EXPECT_TRUE(JumpsOf(glitch).empty()) << "a wrong pose";
 }
 
-TEST(MountJump, NeitherAreImagesThatAreMissingInATurn) {
+TEST(MountJump, AMissingImageInATurnIsNoJump) {
   const Frames all = Bend(10);
   for (std::size_t missing = 32; missing < 56; ++missing) {
     Frames frames;
@@ -137,7 +178,7 @@ TEST(MountJump, NeitherAreImagesThatAreMissingInATurn) {
   }
 }
 
-TEST(MountJump, MotionAcrossALossOfTrackingIsNone) {
+TEST(MountJump, MotionAcrossALossOfTrackingIsNoJump) {
   Frames frames = Bend(10);
   Turn(Yaw(5), 20, frames);
   EXPECT_TRUE(JumpsOf(frames, [](std::size_t i) { return i == 19; }).empty());

@@ -222,7 +222,6 @@ void Odometry::ObserveMount(const FrameResult& result, const RigidTransform& cam
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
   const bool is_unreadable = result.state == TrackingState::kUnreadable;
   if (!is_unreadable) result.state = TrackingState::kBridged;
-  mount_jumps_.Break();
   const TrackingOptions& limits = options_.tracking;
   const bool has_map = !waits_for_map();
   const bool stood = has_map && tracker_.HasStood();
@@ -238,6 +237,7 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   // The noise of standing is no motion.
   if (stood) motion_.Stop();
   const RigidTransform last = motion_.Predict(result.time);
+  mount_jumps_.Break();
   WaitForMap();
   return MetricResult(result, last);
 }
@@ -256,6 +256,7 @@ void Odometry::AddKeyframe(const FrameResult& result) {
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   upkeep_.JudgeUnits(map_);
+  mount_jumps_.CorrectLast(camera_from_world * map_.keyframes.back().camera_from_world.inverse());
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
 }
 

@@ -25,7 +25,8 @@ void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunS
   summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
                    .sigma = mount.sigma,
                    .found = mount.found,
-                   .moves = calibration.moves() + calibration.jumps(),
+                   .moves = calibration.moves(),
+                   .jumps = calibration.jumps(),
                    .is_outdated = !mount.found && calibration.moves() > 0};
 }
 
@@ -83,9 +84,9 @@ void DriveRecorder::Keep(const FrameResult& result) {
     live_metric_from_ = result.time;
   RecordRotation(result.frame, result.time, odometry_.mount().current(), rotations_);
   const MountCalibration& mount = odometry_.mount();
-  move_warning_.clear();
-  if (mount.moves() > moves_) move_warning_ = CameraMovedWarning(result.frame);
-  if (mount.jumps() > jumps_) move_warning_ = CameraJumpWarning(mount.last_jump());
+  move_warnings_.clear();
+  if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(result.frame));
+  if (mount.jumps() > jumps_) move_warnings_.push_back(CameraJumpWarning(mount.last_jump()));
   moves_ = mount.moves();
   jumps_ = mount.jumps();
 }

@@ -49,8 +49,8 @@ class DriveRecorder {
   /// There is a map, or there was.
   bool tracks() const { return tracks_; }
 
-  /// Warning if the last frame showed that the camera was moved on the car; else empty.
-  const std::string& move_warning() const { return move_warning_; }
+  /// Warnings if the last frame showed that the camera was moved on the car.
+  const std::vector<std::string>& move_warnings() const { return move_warnings_; }
 
   /// The images before the map.
   const SeenImages& seen() const { return seen_; }
@@ -81,7 +81,7 @@ class DriveRecorder {
   int frames_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;
-  std::string move_warning_;
+  std::vector<std::string> move_warnings_;
   int moves_ = 0;  // of the camera on the car
   int jumps_ = 0;
   SeenImages seen_;

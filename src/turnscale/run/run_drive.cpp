@@ -113,7 +113,7 @@ class Run {
     if (recorder_.tracks() && !begun_) Begin();
     if (writer_) writer_->Add(result, odometry_.mount().At(0));
     if (drive_.watch) drive_.watch(frame, result, odometry_);
-    if (!recorder_.move_warning().empty()) Warn(recorder_.move_warning());
+    for (const std::string& warning : recorder_.move_warnings()) Warn(warning);
     progress_.Update(recorder_.frames(), fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                                      ScaleStateName(odometry_.scale_state())));
   }

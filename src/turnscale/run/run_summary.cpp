@@ -224,7 +224,9 @@ std::string TurnsWarning(const RefinedScale& scale) {
 std::string OtherYaw(const RunSummary& summary) {
   constexpr double kMostSigmas = 3;
   const VehicleOptions& vehicle = summary.vehicle;
-  if (!vehicle.camera_known || !summary.mount || !summary.mount->found || summary.mount->moves > 0) return "";
+  if (!vehicle.camera_known || !summary.mount || !summary.mount->found ||
+      summary.mount->moves + summary.mount->jumps > 0)
+    return "";
   const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
   const double found = summary.mount->angles.yaw;
   if (!(std::abs(found - known) > kMostSigmas * std::hypot(vehicle.yaw_sigma, summary.mount->sigma.yaw))) return "";

@@ -89,6 +89,7 @@ struct MountSummary {
   YawPitchRoll sigma;   ///< rad
   bool found = false;   ///< estimated well enough to be used
   int moves = 0;        ///< how often the camera was moved during the drive
+  int jumps = 0;        ///< how often it was turned by a knock, which `angles` include
   /// It is from before a move, after which it has not been estimated again.
   bool is_outdated = false;
 };

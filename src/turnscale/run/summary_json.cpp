@@ -72,6 +72,7 @@ nlohmann::ordered_json MountJson(const RunSummary& summary) {
       json["sigma_yaw_pitch_roll_deg"] = {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
                                           mount->sigma.roll * kDegreesPerRadian};
     json["moves"] = mount->moves;
+    json["jumps"] = mount->jumps;
   }
   if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
   return json;
