@@ -286,6 +286,15 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
   return motion;
 }
 
+// As if the camera had been turned on the car as at the end all the time.
+void TurnToLast(const MountCalibration& mount, std::vector<FrameResult>& frames) {
+  for (FrameResult& frame : frames) {
+    if (!frame.world_from_camera) continue;
+    Eigen::Quaterniond& rotation = frame.world_from_camera->rotation;
+    rotation = rotation * mount.FrameFromLast(frame.frame);
+  }
+}
+
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
   CheckImageArguments(arguments);
   Settings settings = arguments.settings ? ReadSettings(*arguments.settings) : Settings();
@@ -312,7 +321,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
-  const auto [frames, scale, blending] = recorder.Refined();
+  auto [frames, scale, blending] = recorder.Refined();
+  if (odometry.mount().jumps() > 0) {
+    TurnToLast(odometry.mount(), frames);
+    progress.Warn(CameraJumpText(odometry.mount().last_jump()) + "; the rotation is that after it");
+  }
   constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
   if (blending) progress.Warn(FrameBlendingText(SinceFirst(*blending, images.source.first_time()), kConsequence));
   // Images that are upside down contradict right intrinsics.

@@ -101,16 +101,24 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
   return recovered.factors;
 }
 
-double DifferenceFromInterpolated(const RefinedScale& adjusted, const RefinedScale& interpolated) {
+double DifferenceFromInterpolated(const Map& map, const RefinedScale& adjusted, const RefinedScale& interpolated) {
   constexpr double kMostSigmas = 2;
+  // Keyframes of a section: noise of the steps cancels.
+  constexpr std::size_t kSection = 20;
   const std::vector<Eigen::Vector3d>& centres = interpolated.path.centres;
   const std::vector<Eigen::Vector3d>& others = adjusted.path.centres;
   double length = 0;
   double difference = 0;
+  double of_section = 0;
   for (std::size_t k = 1; k < centres.size(); ++k) {
-    const double step = (centres[k] - centres[k - 1]).norm();
-    length += step;
-    difference += std::abs((others[k] - others[k - 1]).norm() - step);
+    if (!map.keyframes[k].after_gap) {
+      const double step = (centres[k] - centres[k - 1]).norm();
+      length += step;
+      of_section += (others[k] - others[k - 1]).norm() - step;
+    }
+    if (k % kSection != 0 && k + 1 < centres.size()) continue;
+    difference += std::abs(of_section);
+    of_section = 0;
   }
   return difference > kMostSigmas * interpolated.estimate->length_sigma * length ? difference / length : 0.0;
 }

@@ -21,9 +21,10 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
 std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
                                    RefinedScale& refined);
 
-/// By how much the adjusted path differs from the interpolated one beyond chance: the mean difference of the lengths of
-/// their steps, relative to the mean length, or 0 where that is within two standard deviations of the path length. Both
-/// take the scale of the same turns, but only the interpolated scale follows the estimated drift between them.
-double DifferenceFromInterpolated(const RefinedScale& adjusted, const RefinedScale& interpolated);
+/// By how much the adjusted path differs from the interpolated one: the sum of the differences in length of short
+/// sections, relative to the length of the path, or 0 where that is within two standard deviations of the path length.
+/// Bridged steps do not count. Both paths take the scale of the same turns, but only the interpolated one follows the
+/// estimated drift between them.
+double DifferenceFromInterpolated(const Map& map, const RefinedScale& adjusted, const RefinedScale& interpolated);
 
 }  // namespace turnscale

@@ -209,6 +209,7 @@ void DriveScale::AddJump(const Map& map, int keyframe, const MountJump& jump) {
   std::erase_if(unread_turn_ends_, [begin](int end) { return end >= begin; });
   keyframes_ = begin;
   Add(map);
+  std::erase_if(unread_turn_ends_, [this](int end) { return end <= last_turn_end_; });
   UpdateLive(map, begin);
 }
 
@@ -277,6 +278,7 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
 // changes at once.
 int DriveScale::SpreadScale(const Map& map, double scale, int last) {
   const int begin = std::max(last_turn_end_, last - kMostRevised);
+  if (last <= begin) return begin;
   std::vector<double>& scales = live_path_.metres_per_unit;
   std::fill(scales.begin() + last, scales.end(), scale);
   int gap = last;

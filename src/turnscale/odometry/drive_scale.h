@@ -43,7 +43,8 @@ class DriveScale {
     if (mount_.moves() == 0) heights_.push_back(height);
   }
 
-  /// The camera jumped on the car before this keyframe of the map, or before the next one. Re-evaluates the drive.
+  /// The camera jumped on the car. `keyframe`: the first one after it; their number if it is still to come.
+  /// Re-evaluates the drive.
   void AddJump(const Map& map, int keyframe, const MountJump& jump);
 
   /// Drops all heights, as the images are upside down. Call Reread afterwards: the filter has used them.

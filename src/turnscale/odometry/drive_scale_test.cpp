@@ -410,7 +410,13 @@ TEST(DriveScale, AJumpOfTheCameraIsNoMotionOfTheCar) {
   Live live(KnownCar(), drive, kUnits);
   while (live.map.keyframes.size() < drive.size()) {
     live.Next();
-    if (CountKeyframes(live.map) == kAt + 3) live.scale.AddJump(live.map, kAt, {kAt, jump});
+    if (CountKeyframes(live.map) != kAt + 3) continue;
+    live.scale.Reread(live.map);
+    live.scale.AddJump(live.map, kAt, {kAt, jump});
+    // The turn before it has been re-evaluated: it does not change the live path again.
+    const std::vector<double> scales = live.scale.live_path().metres_per_unit;
+    live.scale.Reread(live.map, live.scale.mount(), {.first = kAt - 10, .end = kAt, .final_before = 0});
+    EXPECT_EQ(live.scale.live_path().metres_per_unit, scales);
   }
   EXPECT_NEAR(InDegrees(StepMotion(live.map, kAt - 1, live.scale.mount()).psi), 0, 1e-6);
   const RefinedScale refined = live.scale.Refine(live.map);

@@ -110,17 +110,36 @@ Eigen::Quaterniond MountCalibration::StartFromKeyframe(int keyframe) const {
   return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
 }
 
-Eigen::Quaterniond MountCalibration::At(int keyframe) const {
+const Mount& MountCalibration::MountAt(int keyframe) const {
   const auto later = [](int k, const Mount& mount) { return k < mount.first_keyframe; };
-  const Mount& mount = *std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later));
-  return jumps_.empty() ? mount.vehicle_from_camera : mount.vehicle_from_camera * StartFromKeyframe(keyframe);
+  return *std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later));
+}
+
+Eigen::Quaterniond MountCalibration::At(int keyframe) const {
+  const Eigen::Quaterniond& vehicle_from_camera = MountAt(keyframe).vehicle_from_camera;
+  return jumps_.empty() ? vehicle_from_camera : vehicle_from_camera * StartFromKeyframe(keyframe);
+}
+
+Eigen::Quaterniond MountCalibration::StartFromFrame(int frame) const {
+  const auto before = [](const Jump& jump, int f) { return jump.jump.first_frame <= f; };
+  const auto next = std::lower_bound(jumps_.begin(), jumps_.end(), frame, before);
+  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
+}
+
+Eigen::Quaterniond MountCalibration::At(int keyframe, int frame) const {
+  const Eigen::Quaterniond& vehicle_from_camera = MountAt(keyframe).vehicle_from_camera;
+  return jumps_.empty() ? vehicle_from_camera : vehicle_from_camera * StartFromFrame(frame);
 }
 
 Mount MountCalibration::current() const {
   Mount mount = mounts_.back();
   if (!jumps_.empty()) mount.vehicle_from_camera = mount.vehicle_from_camera * jumps_.back().start_from_after;
-  for (const Jump& jump : jumps_) mount.sigma.yaw = std::hypot(mount.sigma.yaw, jump.jump.yaw_sigma);
   return mount;
+}
+
+Eigen::Quaterniond MountCalibration::FrameFromLast(int frame) const {
+  return jumps_.empty() ? Eigen::Quaterniond::Identity()
+                        : StartFromFrame(frame).conjugate() * jumps_.back().start_from_after;
 }
 
 bool MountCalibration::HasJumpsMissedBy(const MountCalibration& other) const {

@@ -45,11 +45,13 @@ class MountCalibration {
 
   /// The paper's Q at a keyframe.
   Eigen::Quaterniond At(int keyframe) const;
-  /// The latest rotation, after all jumps; the sigma of its yaw includes theirs.
+  /// At a frame that belongs to a keyframe, which may be from before a jump.
+  Eigen::Quaterniond At(int keyframe, int frame) const;
+  /// The latest rotation, after all jumps.
   Mount current() const;
 
-  /// The rotations that were given or found, each from its move on to the next one, in the order of time. Those of a
-  /// camera that has not jumped.
+  /// The rotations that were given or found, each from its move on to the next one, in the order of time. Jumps are not
+  /// included.
   const std::vector<Mount>& mounts() const { return mounts_; }
   /// How often the camera was moved without a jump, so that its rotation is found anew.
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
@@ -57,6 +59,8 @@ class MountCalibration {
   int jumps() const { return static_cast<int>(jumps_.size()); }
   /// The latest jump. There has to be one.
   const MountJump& last_jump() const { return jumps_.back().jump; }
+  /// Rotation of camera axes by the jumps between a frame and the end of the drive.
+  Eigen::Quaterniond FrameFromLast(int frame) const;
   /// Whether jumps that `other` lacks come before keyframes that it has taken.
   bool HasJumpsMissedBy(const MountCalibration& other) const;
 
@@ -69,6 +73,8 @@ class MountCalibration {
   };
   /// Rotation of camera axes by all jumps up to a keyframe.
   Eigen::Quaterniond StartFromKeyframe(int keyframe) const;
+  Eigen::Quaterniond StartFromFrame(int frame) const;
+  const Mount& MountAt(int keyframe) const;
   /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
   /// each other; none where the yaw does.
   Mount Found(const OnlineState& state) const;
@@ -78,7 +84,7 @@ class MountCalibration {
   YawPitchRoll known_sigma_;           ///< rad
   StepGatherer gatherer_;
   OnlineCalibration calibration_;
-  std::vector<Mount> mounts_;  ///< of a camera without jumps
+  std::vector<Mount> mounts_;  ///< jumps are not included
   std::vector<Jump> jumps_;
   std::vector<int> step_ends_;  ///< keyframes
   int next_keyframe_ = 0;

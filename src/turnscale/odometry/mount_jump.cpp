@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "turnscale/geometry/angle.h"
@@ -28,12 +29,9 @@ constexpr double kMostStretch = 1.5;
 // by up to 2.6 degrees.
 constexpr double kLeastJump = 0.5 / kDegreesPerRadian;
 constexpr double kJumpGrowth = 60 / kDegreesPerRadian;
-// Largest spread of the yaw rates beside a jump, times its duration, relative to it. More: a part of the jump lies
-// outside, or the car begins a turn.
+// Largest spread of the yaw rates beside a jump, multiplied by the duration of the jump, as a share of the jump. Beyond
+// it, a part of the jump lies outside, or the car begins a turn.
 constexpr double kMostUnrest = 0.3;
-// Standard deviation of the yaw of a jump, rad, where the intervals beside it show the same rate.
-constexpr double kYawSigma = 0.1 / kDegreesPerRadian;
-
 // Motion along an interval between two frames.
 struct Motion {
   double seconds = 0;
@@ -51,9 +49,10 @@ double Weaker(double a, double b) {
 
 }  // namespace
 
-void MountJumpDetector::Break() {
+std::optional<MountJump> MountJumpDetector::End() {
   frames_.clear();
-  best_.reset();
+  const std::optional<Candidate> last = std::exchange(best_, std::nullopt);
+  return last ? std::optional(last->jump) : std::nullopt;
 }
 
 void MountJumpDetector::CorrectLast(const RigidTransform& last_from_corrected) {
@@ -64,10 +63,7 @@ void MountJumpDetector::CorrectLast(const RigidTransform& last_from_corrected) {
 
 std::optional<MountJump> MountJumpDetector::Add(int frame, double time, const RigidTransform& previous_from_current,
                                                 const Eigen::Vector3d& vertical) {
-  if (!previous_from_current.IsFinite()) {
-    Break();
-    return std::nullopt;
-  }
+  if (!previous_from_current.IsFinite()) return End();
   frames_.push_back(
       {frame, time, frames_.empty() ? RigidTransform() : frames_.back().world_from_camera * previous_from_current});
   if (const std::optional<Candidate> now = JumpNow(vertical)) {
@@ -103,7 +99,7 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpNow(const Eig
   return best;
 }
 
-// A jump between the second of the samples and the second from the end.
+// A jump between the third of the samples and the third from the end.
 std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::span<const std::size_t> samples,
                                                                            const Eigen::Vector3d& vertical) const {
   const auto motion = [&](std::size_t first, std::size_t last) {
@@ -153,11 +149,12 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::
     largest = rate;
     first = i;
   }
-  return Candidate{
-      .jump = {.first_frame = frames_[first].number,
-               .before_from_after = RotationFromVector(turned).conjugate() * RotationFromVector(within.rotation),
-               .yaw_sigma = std::hypot(kYawSigma, 0.5 * unrest)},
-      .unrest = unrest};
+  const Eigen::Quaterniond before_from_after =
+      RotationFromVector(turned).conjugate() * RotationFromVector(within.rotation);
+  return Candidate{.jump = {.first_frame = frames_[first].number,
+                            .before_from_after = before_from_after,
+                            .yaw = vertical.dot(VectorFromRotation(before_from_after))},
+                   .unrest = unrest};
 }
 
 }  // namespace turnscale

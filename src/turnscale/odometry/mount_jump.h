@@ -16,12 +16,12 @@ namespace turnscale {
 struct MountJump {
   int first_frame = 0;                                                    ///< the first one after it
   Eigen::Quaterniond before_from_after = Eigen::Quaterniond::Identity();  ///< rotation of camera axes
-  double yaw_sigma = 0;                                                   ///< standard deviation of its yaw, rad
+  double yaw = 0;                                                         ///< rad, positive to the right
 };
 
-/// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within 0.08 to 0.2 s (or
-/// within one or two intervals of frames that are further apart) differs from what the turning rates before and after
-/// it imply, and from what the curvature of the path implies, by more than that of a car does. It does not detect
+/// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within one or two
+/// intervals of 0.08 s or, if frames are further apart, of one frame, differs from what the turning rates before and
+/// after it imply, and from what the curvature of the path implies, by more than that of a car does. It does not detect
 /// slower moves, jumps where the car begins or ends a turn or stands still, and a camera that swings back.
 class MountJumpDetector {
  public:
@@ -34,8 +34,8 @@ class MountJumpDetector {
   /// The pose of the last frame has been corrected.
   void CorrectLast(const RigidTransform& last_from_corrected);
 
-  /// The next frame does not follow the last one: its motion since then is not measured.
-  void Break();
+  /// No frame follows the last one: the motion since then is not measured. Returns a jump that the latest frames show.
+  std::optional<MountJump> End();
 
  private:
   struct Frame {

@@ -63,7 +63,7 @@ std::vector<MountJump> JumpsOf(const Frames& frames, const std::function<bool(st
   std::vector<MountJump> jumps;
   for (std::size_t i = 0; i < frames.times.size(); ++i) {
     if (is_break && is_break(i)) {
-      detector.Break();
+      if (const auto jump = detector.End()) jumps.push_back(*jump);
       continue;
     }
     const RigidTransform motion =

@@ -150,6 +150,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 
 void Odometry::Finish() {
   if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
+  TakeJump(mount_jumps_.End());
   Readjust();
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
@@ -211,12 +212,16 @@ TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, 
 }
 
 void Odometry::ObserveMount(const FrameResult& result, const RigidTransform& camera_from_world) {
-  const std::optional<MountJump> jump =
-      mount_jumps_.Add(result.frame, result.time, motion_.last() * camera_from_world.inverse(),
-                       mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
+  TakeJump(mount_jumps_.Add(result.frame, result.time, motion_.last() * camera_from_world.inverse(),
+                            mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY()));
+}
+
+void Odometry::TakeJump(const std::optional<MountJump>& jump) {
   if (!jump) return;
   const auto keyframe = std::ranges::lower_bound(map_.keyframes, jump->first_frame, {}, &Keyframe::frame);
   scale_.AddJump(map_, static_cast<int>(keyframe - map_.keyframes.begin()), *jump);
+  // Between images before and after it, the camera turns otherwise than the car.
+  road_.Restart();
 }
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
@@ -233,11 +238,11 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
   // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
+  TakeJump(mount_jumps_.End());
   Readjust();
   // The noise of standing is no motion.
   if (stood) motion_.Stop();
   const RigidTransform last = motion_.Predict(result.time);
-  mount_jumps_.Break();
   WaitForMap();
   return MetricResult(result, last);
 }
@@ -329,7 +334,7 @@ void Odometry::ConstrainTurnsOfDrive() {
   ArchivedPart drive = archive.Load(0, archive.end(), map_);
   RefinedScale constrained = *refined_;
   const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
-  if (const double difference = DifferenceFromInterpolated(constrained, *refined_); difference > 0) {
+  if (const double difference = DifferenceFromInterpolated(map_, constrained, *refined_); difference > 0) {
     // As a fallback, the scale of each turn is kept, and interpolated between them.
     if (options_.scale.method == ScaleMethod::kSmoothed) return;
     constrained.estimate->length_sigma = std::hypot(constrained.estimate->length_sigma, difference);

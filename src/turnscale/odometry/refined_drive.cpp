@@ -18,7 +18,7 @@ std::vector<FrameResult> RefinedFramesOf(const FrameHistory& history, const Map&
     FrameResult& frame = frames[i];
     if (keyframes[i] >= 0) keyframe = keyframes[i];
     if (keyframe < 0) continue;
-    frame.vehicle_from_camera = mount.At(keyframe);
+    frame.vehicle_from_camera = mount.At(keyframe, frame.frame);
     frame.turning = refined.keyframes[keyframe].turning;
     frame.scale_sigma = refined.keyframes[keyframe].sigma;
     frame.scale_state = refined.keyframes[keyframe].state;

@@ -48,6 +48,9 @@ class RoadObserver {
     if (height_) *height_ *= factor;
   }
 
+  /// The next image is not compared with those so far.
+  void Restart() { views_.clear(); }
+
  private:
   struct View {
     int keyframe;

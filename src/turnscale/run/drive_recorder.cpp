@@ -19,14 +19,14 @@ void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunS
   summary.pinhole = camera.pinhole;
   summary.lens_model = camera.lens;
   if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
-  if (!options.vehicle.calibrate_camera) return;
   const MountCalibration& calibration = odometry.mount();
+  summary.camera_jumps = calibration.jumps();
+  if (!options.vehicle.calibrate_camera) return;
   const Mount mount = calibration.current();
   summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
                    .sigma = mount.sigma,
                    .found = mount.found,
                    .moves = calibration.moves(),
-                   .jumps = calibration.jumps(),
                    .is_outdated = !mount.found && calibration.moves() > 0};
 }
 

@@ -225,7 +225,7 @@ std::string OtherYaw(const RunSummary& summary) {
   constexpr double kMostSigmas = 3;
   const VehicleOptions& vehicle = summary.vehicle;
   if (!vehicle.camera_known || !summary.mount || !summary.mount->found ||
-      summary.mount->moves + summary.mount->jumps > 0)
+      summary.mount->moves + summary.camera_jumps > 0)
     return "";
   const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
   const double found = summary.mount->angles.yaw;
@@ -355,11 +355,14 @@ std::string CameraMovedWarning(int frame) {
                      frame);
 }
 
+std::string CameraJumpText(const MountJump& jump) {
+  return fmt::format("frame {}: the camera was turned on the car by {:.1f} degrees to the {}, as by a knock",
+                     jump.first_frame, std::abs(InDegrees(jump.yaw)), jump.yaw > 0 ? "right" : "left");
+}
+
 std::string CameraJumpWarning(const MountJump& jump) {
-  return fmt::format(
-      "frame {}: the camera was turned on the car by {:.1f} degrees, as by a knock; the camera-to-vehicle rotation "
-      "includes it from there on",
-      jump.first_frame, InDegrees(VectorFromRotation(jump.before_from_after).norm()));
+  return CameraJumpText(jump) +
+         "; the path allows for it, and car.yaml has the rotation after it: check that the camera is still fixed";
 }
 
 std::string UpsideDownWarning(int rotated) {

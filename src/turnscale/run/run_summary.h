@@ -37,7 +37,10 @@ std::string SkippedWarning(int frame, const std::string& problem);
 /// Warning where the odometry finds, at this frame, that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);
 
-/// Warning where the camera has jumped on the car.
+/// When and how the camera has jumped on the car.
+std::string CameraJumpText(const MountJump& jump);
+
+/// Warning of a run where it has.
 std::string CameraJumpWarning(const MountJump& jump);
 
 /// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
@@ -89,7 +92,6 @@ struct MountSummary {
   YawPitchRoll sigma;   ///< rad
   bool found = false;   ///< estimated well enough to be used
   int moves = 0;        ///< how often the camera was moved during the drive
-  int jumps = 0;        ///< how often it was turned by a knock, which `angles` include
   /// It is from before a move, after which it has not been estimated again.
   bool is_outdated = false;
 };
@@ -150,6 +152,7 @@ struct RunSummary {
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
+  int camera_jumps = 0;               ///< how often the camera was turned by a knock; `mount` is after the last one
   int calibration_windows = 0;        ///< parts of turns in which the intrinsics were tested
   bool calibration_agrees = true;     ///< with them, if there are any
   /// Yaw of the camera that the drive shows and the trajectory uses, rad, where it contradicts what was given.

@@ -72,8 +72,8 @@ nlohmann::ordered_json MountJson(const RunSummary& summary) {
       json["sigma_yaw_pitch_roll_deg"] = {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
                                           mount->sigma.roll * kDegreesPerRadian};
     json["moves"] = mount->moves;
-    json["jumps"] = mount->jumps;
   }
+  json["knocks"] = summary.camera_jumps;
   if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
   return json;
 }

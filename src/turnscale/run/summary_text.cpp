@@ -84,21 +84,21 @@ std::string YawCorrectionText(const RunSummary& summary, double yaw) {
                      Rounded(yaw + summary.car->yaw_error), InDegrees(summary.car->yaw_error_sigma), correction);
 }
 
-std::string KnockText(const MountSummary& mount) {
-  return mount.jumps > 0 ? "; turned by a knock " + Times(mount.jumps) : "";
+std::string KnockText(const RunSummary& summary) {
+  return summary.camera_jumps > 0 ? "; turned by a knock " + Times(summary.camera_jumps) : "";
 }
 
 // One line.
 std::string MountText(const RunSummary& summary) {
   const std::optional<MountSummary>& mount = summary.mount;
   if (mount && mount->is_outdated)
-    return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used\n",
-                       Times(mount->moves));
+    return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used{}\n",
+                       Times(mount->moves), KnockText(summary));
   if (!mount || !mount->found) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
     return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}{}{}\n", Rounded(angles.yaw),
-                       Rounded(angles.pitch), Rounded(angles.roll), SourceOfRotation(summary),
-                       mount ? KnockText(*mount) : "", YawCorrectionText(summary, angles.yaw));
+                       Rounded(angles.pitch), Rounded(angles.roll), SourceOfRotation(summary), KnockText(summary),
+                       YawCorrectionText(summary, angles.yaw));
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
@@ -107,7 +107,7 @@ std::string MountText(const RunSummary& summary) {
       degrees(mount->angles.roll), degrees(mount->sigma.roll),
       summary.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
   if (mount->moves > 0) text += "; moved " + Times(mount->moves);
-  text += KnockText(*mount);
+  text += KnockText(summary);
   return text + YawCorrectionText(summary, mount->angles.yaw) + "\n";
 }
 
