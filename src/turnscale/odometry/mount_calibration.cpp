@@ -99,15 +99,20 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
 }
 
 void MountCalibration::AddJump(int keyframe, const MountJump& jump) {
-  const Eigen::Quaterniond start_from_before =
-      jumps_.empty() ? Eigen::Quaterniond::Identity() : jumps_.back().start_from_after;
-  jumps_.push_back({keyframe, jump, (start_from_before * jump.before_from_after).normalized()});
+  jumps_.push_back({keyframe, jump, (StartAfter(jumps_.end()) * jump.before_from_after).normalized()});
+}
+
+Eigen::Quaterniond MountCalibration::StartAfter(std::vector<Jump>::const_iterator next) const {
+  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
 }
 
 Eigen::Quaterniond MountCalibration::StartFromKeyframe(int keyframe) const {
-  const auto later = [](int k, const Jump& jump) { return k < jump.first_keyframe; };
-  const auto next = std::upper_bound(jumps_.begin(), jumps_.end(), keyframe, later);
-  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
+  return StartAfter(std::ranges::upper_bound(jumps_, keyframe, {}, &Jump::first_keyframe));
+}
+
+Eigen::Quaterniond MountCalibration::StartFromFrame(int frame) const {
+  return StartAfter(
+      std::ranges::upper_bound(jumps_, frame, {}, [](const Jump& jump) { return jump.jump.first_frame; }));
 }
 
 const Mount& MountCalibration::MountAt(int keyframe) const {
@@ -118,12 +123,6 @@ const Mount& MountCalibration::MountAt(int keyframe) const {
 Eigen::Quaterniond MountCalibration::At(int keyframe) const {
   const Eigen::Quaterniond& vehicle_from_camera = MountAt(keyframe).vehicle_from_camera;
   return jumps_.empty() ? vehicle_from_camera : vehicle_from_camera * StartFromKeyframe(keyframe);
-}
-
-Eigen::Quaterniond MountCalibration::StartFromFrame(int frame) const {
-  const auto before = [](const Jump& jump, int f) { return jump.jump.first_frame <= f; };
-  const auto next = std::lower_bound(jumps_.begin(), jumps_.end(), frame, before);
-  return next == jumps_.begin() ? Eigen::Quaterniond::Identity() : std::prev(next)->start_from_after;
 }
 
 Eigen::Quaterniond MountCalibration::At(int keyframe, int frame) const {
@@ -138,8 +137,7 @@ Mount MountCalibration::current() const {
 }
 
 Eigen::Quaterniond MountCalibration::FrameFromLast(int frame) const {
-  return jumps_.empty() ? Eigen::Quaterniond::Identity()
-                        : StartFromFrame(frame).conjugate() * jumps_.back().start_from_after;
+  return StartFromFrame(frame).conjugate() * StartAfter(jumps_.end());
 }
 
 bool MountCalibration::HasJumpsMissedBy(const MountCalibration& other) const {

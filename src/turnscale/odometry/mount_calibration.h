@@ -74,6 +74,8 @@ class MountCalibration {
   /// Rotation of camera axes by all jumps up to a keyframe.
   Eigen::Quaterniond StartFromKeyframe(int keyframe) const;
   Eigen::Quaterniond StartFromFrame(int frame) const;
+  /// By those before `next`.
+  Eigen::Quaterniond StartAfter(std::vector<Jump>::const_iterator next) const;
   const Mount& MountAt(int keyframe) const;
   /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
   /// each other; none where the yaw does.

@@ -19,10 +19,10 @@ struct MountJump {
   double yaw = 0;                                                         ///< rad, positive to the right
 };
 
-/// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within one or two
-/// intervals of 0.08 s or, if frames are further apart, of one frame, differs from what the turning rates before and
-/// after it imply, and from what the curvature of the path implies, by more than that of a car does. It does not detect
-/// slower moves, jumps where the car begins or ends a turn or stands still, and a camera that swings back.
+/// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within one or two intervals
+/// (the shortest multiple of the time between frames that is at least 0.08 s) differs from what the turning rates
+/// before and after it imply, and from what the curvature of the path implies, by more than that of a car does. It does
+/// not detect slower moves, jumps where the car begins or ends a turn or stands still, and a camera that swings back.
 class MountJumpDetector {
  public:
   /// Takes the next frame that was tracked, at `time` seconds. `previous_from_current`: its motion since the last one

@@ -111,6 +111,7 @@ class Odometry {
   TrackedFrame Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   /// Takes the motion of a frame that was tracked, before motion_ does: it may show that the camera jumped on the car.
   void ObserveMount(const FrameResult& result, const RigidTransform& camera_from_world);
+  /// Passes on a jump of the camera, if there is one.
   void TakeJump(const std::optional<MountJump>& jump);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
