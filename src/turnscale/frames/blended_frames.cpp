@@ -236,11 +236,17 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
 }
 
 std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence) {
-  if (blending.period == 0) {
+  if (blending.sign == FrameBlending::Sign::kImageBefore) {
     return fmt::format(
         "each image seems to contain a weaker copy of the one before (from {:.1f} to {:.1f} s), as blended frames or "
         "strong temporal noise reduction leave it: {}; use the video as the camera recorded it, and record later "
         "drives without temporal noise reduction",
+        blending.from, blending.to, consequence);
+  }
+  if (blending.sign == FrameBlending::Sign::kHalfInterval) {
+    return fmt::format(
+        "each image seems to be the mean of two frames (from {:.1f} to {:.1f} s), as in a video whose frame rate was "
+        "halved by blending: {}; use the video as the camera recorded it",
         blending.from, blending.to, consequence);
   }
   // What an even rhythm is in whole images need not be.

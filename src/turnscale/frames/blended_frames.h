@@ -11,15 +11,23 @@
 namespace turnscale {
 
 /// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending
-/// (BlendedFrames), or strong temporal noise reduction (DoubleImages).
+/// (BlendedFrames, DoubleImages), or strong temporal noise reduction (DoubleImages).
 struct FrameBlending {
   /// Relative standard deviation of lengths that it causes, chosen from conversions (docs/blended.md). The whole video
   /// is blended, even if it shows only in a part: where the car is slow, less of the path is.
   static constexpr double kScaleSigma = 0.25;
 
-  double from = 0;    ///< time, seconds, where it begins
-  double to = 0;      ///< time, seconds, where it ends
-  double period = 0;  ///< images from one that is sharp to the next, at least 2; 0: all are alike
+  /// How it shows.
+  enum class Sign {
+    kRhythm,        ///< the sharpness rises and falls from image to image
+    kImageBefore,   ///< each image contains the one before
+    kHalfInterval,  ///< each image contains one that is half of the interval earlier
+  };
+
+  double from = 0;  ///< time, seconds, where it begins
+  double to = 0;    ///< time, seconds, where it ends
+  Sign sign = Sign::kRhythm;
+  double period = 0;  ///< of kRhythm: images from one that is sharp to the next, at least 2
 };
 
 /// The warning, one line. `consequence`: such as "the scale may be wrong".

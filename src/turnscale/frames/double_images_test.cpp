@@ -62,7 +62,7 @@ TEST(DoubleImages, TwoMomentsInEveryImage) {
   for (const double share : {0.5, 0.6, 0.7}) {
     const std::optional<FrameBlending> found = Found(Double(share));
     ASSERT_TRUE(found) << share;
-    EXPECT_EQ(found->period, 0);
+    EXPECT_EQ(found->sign, FrameBlending::Sign::kImageBefore);
     EXPECT_EQ(found->from, 0);
     EXPECT_NEAR(found->to, 59 * kSecondsBetween, 1e-9);
   }
@@ -74,6 +74,17 @@ TEST(DoubleImages, NoiseReductionThatMixesImagesAgainAndAgain) {
     mean = Mixed(WallAt(kSpeed * (i + 1)), mean, 0.6);
     return mean.clone();
   }));
+}
+
+TEST(DoubleImages, MeansOfTwoFramesAtHalfTheRate) {
+  constexpr int kBetweenImages = 32;
+  const auto mean = [](int i) {
+    return Mixed(WallAt(kBetweenImages * (i + 1)), WallAt(kBetweenImages * (i + 1) - kBetweenImages / 2), 0.5);
+  };
+  const std::optional<FrameBlending> found = Found(mean, 60, kBetweenImages);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->sign, FrameBlending::Sign::kHalfInterval);
+  EXPECT_FALSE(Found([](int i) { return WallAt(kBetweenImages * (i + 1)); }, 60, kBetweenImages)) << "one moment";
 }
 
 TEST(DoubleImages, OnlyAPartOfTheDrive) {
