@@ -22,6 +22,7 @@
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/run/drive_recorder.h"
+#include "turnscale/run/image_warnings.h"
 #include "turnscale/run/missing_path.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/settings.h"
@@ -320,19 +321,19 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (estimate.found)
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
-  if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
   auto [frames, scale, blending] = recorder.Refined();
   if (odometry.mount().jumps() > 0) {
     TurnToLast(odometry.mount(), frames);
     progress.Warn(CameraJumpText(odometry.mount().last_jump()) + "; the rotation is that after it");
   }
-  constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
-  if (blending) progress.Warn(FrameBlendingText(SinceFirst(*blending, images.source.first_time()), kConsequence));
-  // Images that are upside down contradict right intrinsics.
-  if (!odometry.is_upside_down())
-    for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
-                                                          blending ? "the blending may be the cause" : kConsequence))
-      progress.Warn(warning);
+  constexpr auto kError = "the rotation and the lever arm may be wrong";
+  const ImageFindings findings{.is_upside_down = odometry.is_upside_down(),
+                               .rotated = arguments.rotate,
+                               .blending = blending,
+                               .contradicted_calibration = scale.contradicted_calibration,
+                               .is_calibration_refined = estimate.found.has_value()};
+  for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
+    progress.Warn(warning);
   motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

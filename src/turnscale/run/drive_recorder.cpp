@@ -82,10 +82,14 @@ void DriveRecorder::Keep(const FrameResult& result) {
   tracks_ = tracks_ || result.world_from_camera;
   if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
     live_metric_from_ = result.time;
-  RecordRotation(result.frame, result.time, odometry_.mount().current(), rotations_);
+  FollowMount(result.frame);
+}
+
+void DriveRecorder::FollowMount(int frame) {
   const MountCalibration& mount = odometry_.mount();
+  RecordRotation(frame, last_time_, mount.current(), rotations_);
   move_warnings_.clear();
-  if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(result.frame));
+  if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(frame));
   if (mount.jumps() > jumps_) move_warnings_.push_back(CameraJumpWarning(mount.last_jump()));
   moves_ = mount.moves();
   jumps_ = mount.jumps();
@@ -93,8 +97,8 @@ void DriveRecorder::Keep(const FrameResult& result) {
 
 void DriveRecorder::Finish() {
   odometry_.Finish();
-  // The turns of the end may have told more of it.
-  if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
+  // The turns of the end may have told more of it, and a jump is confirmed by the frames after it.
+  if (frames_ > 0) FollowMount(frames_ - 1);
 }
 
 RefinedResults DriveRecorder::Refined() const {

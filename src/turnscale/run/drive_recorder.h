@@ -49,7 +49,7 @@ class DriveRecorder {
   /// There is a map, or there was.
   bool tracks() const { return tracks_; }
 
-  /// Warnings if the last frame showed that the camera was moved on the car.
+  /// Warnings if the last frame, or the end of the drive, showed that the camera was moved on the car.
   const std::vector<std::string>& move_warnings() const { return move_warnings_; }
 
   /// The images before the map.
@@ -72,6 +72,8 @@ class DriveRecorder {
   };
 
   void Keep(const FrameResult& result);
+  // The rotation of the camera after this frame, and what has moved it.
+  void FollowMount(int frame);
   // Points of the scene that this image and the one before show.
   std::vector<MovedPoint> MovedPoints(const FrameResult& result);
 

@@ -89,6 +89,10 @@ class Run {
     known_.warnings.push_back(warning);
   }
 
+  void WarnOfMoves() {
+    for (const std::string& warning : recorder_.move_warnings()) Warn(warning);
+  }
+
   // Takes earlier results away and begins new ones.
   void Begin() {
     writer_.emplace(drive_.output);
@@ -113,7 +117,7 @@ class Run {
     if (recorder_.tracks() && !begun_) Begin();
     if (writer_) writer_->Add(result, odometry_.mount().At(0));
     if (drive_.watch) drive_.watch(frame, result, odometry_);
-    for (const std::string& warning : recorder_.move_warnings()) Warn(warning);
+    WarnOfMoves();
     progress_.Update(recorder_.frames(), fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                                      ScaleStateName(odometry_.scale_state())));
   }
@@ -128,7 +132,9 @@ class Run {
       recorder_.Finish();
     });
     progress_.Say("");
-    if (finished) Keep(Durability::kPowerCut);
+    if (!finished) return;
+    WarnOfMoves();
+    Keep(Durability::kPowerCut);
   }
 
   // Writes the results, as far as there are any.

@@ -13,6 +13,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/run/image_warnings.h"
 #include "turnscale/run/impossible_motion.h"
 #include "turnscale/run/settings.h"
 #include "turnscale/run/time_check.h"
@@ -236,14 +237,6 @@ std::string OtherYaw(const RunSummary& summary) {
       InDegrees(found), InDegrees(summary.mount->sigma.yaw), InDegrees(known), kCheckVehicle);
 }
 
-// How to rotate images by so many degrees more than they have been.
-std::string RotationAdvice(int rotated, int more) {
-  const int right = (rotated + more) % 360;
-  if (right == 0) return fmt::format("leave out --rotate {}", rotated);
-  return rotated == 0 ? fmt::format("rotate them (--rotate {})", right)
-                      : fmt::format("give --rotate {} rather than {}", right, rotated);
-}
-
 // Images that lie on their side; empty if they do not.
 std::string RollWarning(const RunSummary& summary) {
   constexpr double kUpright = 45;  // degrees
@@ -285,23 +278,6 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   return warnings;
 }
 
-// Where the images of turns contradict the calibration.
-std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined) {
-  const std::string remedy = refined ? "" : ", or have it estimated with --camera-refine";
-  if (estimate.parameter == IntrinsicsParameter::kDistortion)
-    return fmt::format(
-        "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
-        "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}",
-        estimate.found, estimate.sigma, estimate.given, remedy);
-  const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
-  const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
-  const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
-  return fmt::format(
-      "the images taken in turns give a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}: check that the "
-      "calibration belongs to this camera{}",
-      name, estimate.found, estimate.sigma, estimate.given, remedy);
-}
-
 void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale,
                  const std::vector<ImpossibleMotion>& impossible, RunSummary& summary) {
   const auto add = [&](std::string warning) {
@@ -311,17 +287,13 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
   const double first_time = summary.first_time;
-  // First, as right intrinsics are contradicted by images that are upside down: what to check is the rotation.
-  if (summary.is_upside_down) add(UpsideDownWarning(summary.rotate));
-  if (summary.blending) add(FrameBlendingText(SinceFirst(*summary.blending, first_time), "the scale may be wrong"));
-  // A right calibration is contradicted, too, where each image shows two moments.
-  const std::string calibration_error =
-      summary.blending ? scale_error + (scale_error.empty() ? "" : "; ") + "the blending may be the cause"
-                       : scale_error;
-  if (!summary.is_upside_down)
-    for (std::string& warning :
-         CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), calibration_error))
-      add(std::move(warning));
+  const ImageFindings images{.is_upside_down = summary.is_upside_down,
+                             .rotated = summary.rotate,
+                             .blending = summary.blending,
+                             .contradicted_calibration = scale.contradicted_calibration,
+                             .is_calibration_refined = summary.found_camera.has_value()};
+  for (std::string& warning : ImageWarnings(images, first_time, "the scale may be wrong", scale_error))
+    add(std::move(warning));
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
@@ -336,14 +308,6 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
 
 std::string UpToScaleText(const std::string& pending_reason) {
   return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
-}
-
-std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate>& contradictions, bool refined,
-                                             const std::string& consequence) {
-  std::vector<std::string> warnings;
-  for (const ParameterEstimate& estimate : contradictions) warnings.push_back(CalibrationWarning(estimate, refined));
-  if (!warnings.empty() && !consequence.empty()) warnings.back() += "; " + consequence;
-  return warnings;
 }
 
 std::string SkippedWarning(int frame, const std::string& problem) {
@@ -363,12 +327,6 @@ std::string CameraJumpText(const MountJump& jump) {
 std::string CameraJumpWarning(const MountJump& jump) {
   return CameraJumpText(jump) +
          "; the path allows for it, and car.yaml has the rotation after it: check that the camera is still fixed";
-}
-
-std::string UpsideDownWarning(int rotated) {
-  return "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in "
-         "the path; " +
-         RotationAdvice(rotated, 180);
 }
 
 std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {

@@ -25,12 +25,6 @@ namespace turnscale {
 /// That the trajectory of a run with a measured length is up to scale all the same, and why.
 std::string UpToScaleText(const std::string& pending_reason);
 
-/// Warnings where the images of turns contradict the calibration, one for each parameter. `refined`: it was estimated
-/// from the drive. `consequence`: what the errors together do to the results, such as "the scale may be off", which the
-/// last one says; may be empty.
-std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate>& contradictions, bool refined,
-                                             const std::string& consequence);
-
 /// Warning that a frame is skipped, and why.
 std::string SkippedWarning(int frame, const std::string& problem);
 
@@ -42,9 +36,6 @@ std::string CameraJumpText(const MountJump& jump);
 
 /// Warning of a run where it has.
 std::string CameraJumpWarning(const MountJump& jump);
-
-/// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
-std::string UpsideDownWarning(int rotated);
 
 /// An image that could not be used.
 struct UnreadableFrame {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/frames/blended_frames.h"
+#include "turnscale/mapping/calibration_check.h"
+
+namespace turnscale {
+
+/// What a drive shows to be wrong with its images or their calibration.
+struct ImageFindings {
+  bool is_upside_down = false;
+  int rotated = 0;  ///< degrees clockwise, by `--rotate`
+  std::optional<FrameBlending> blending;
+  std::vector<ParameterEstimate> contradicted_calibration;  ///< by the images of turns
+  bool is_calibration_refined = false;                      ///< it was estimated from the drive
+};
+
+/// One line for each finding; the calibration's are left out where images that are upside down explain them. Their
+/// times count from `first_time`. `blending_error`, `calibration_error`: what follows for the results, such as "the
+/// scale may be wrong"; that of the calibration may be empty.
+std::vector<std::string> ImageWarnings(const ImageFindings& findings, double first_time,
+                                       const std::string& blending_error, const std::string& calibration_error);
+
+/// What to do about images that have been rotated by `rotated` degrees, and have to be by `more` degrees more.
+std::string RotationAdvice(int rotated, int more);
+
+}  // namespace turnscale

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/image_warnings.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+constexpr auto kBlendingError = "the scale may be wrong";
+constexpr auto kCalibrationError = "the scale may be off by 4 % or more";
+
+std::vector<std::string> Warnings(const ImageFindings& findings) {
+  return ImageWarnings(findings, 100, kBlendingError, kCalibrationError);
+}
+
+ImageFindings Contradicted() {
+  ImageFindings findings;
+  findings.contradicted_calibration = {
+      {.parameter = IntrinsicsParameter::kFocalLength, .given = 700, .found = 650, .sigma = 5},
+      {.parameter = IntrinsicsParameter::kDistortion, .given = 0, .found = -0.2, .sigma = 0.01}};
+  return findings;
+}
+
+TEST(ImageWarnings, NoneWhereNothingIsFound) { EXPECT_TRUE(Warnings({}).empty()); }
+
+TEST(ImageWarnings, TheLastContradictionOfTheCalibrationSaysWhatFollows) {
+  ImageFindings findings = Contradicted();
+  std::vector<std::string> warnings = Warnings(findings);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_EQ(warnings[0],
+            "the images taken in turns give a focal length of 650 +-5 pixels, but the calibration has 700: check that "
+            "the calibration belongs to this camera, or have it estimated with --camera-refine");
+  EXPECT_TRUE(warnings[1].ends_with(std::string("--camera-refine; ") + kCalibrationError)) << warnings[1];
+  EXPECT_TRUE(ImageWarnings(findings, 0, "", "")[1].ends_with("--camera-refine"));
+
+  findings.is_calibration_refined = true;
+  warnings = Warnings(findings);
+  EXPECT_TRUE(warnings[0].ends_with("check that the calibration belongs to this camera")) << warnings[0];
+}
+
+TEST(ImageWarnings, BlendingComesBeforeTheCalibrationThatItMayContradict) {
+  ImageFindings findings = Contradicted();
+  findings.blending = FrameBlending{.from = 101, .to = 120, .period = 4};
+  const std::vector<std::string> warnings = Warnings(findings);
+  ASSERT_EQ(warnings.size(), 3U);
+  EXPECT_NE(warnings[0].find("from 1.0 to 20.0 s"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find(kBlendingError), std::string::npos) << warnings[0];
+  EXPECT_TRUE(warnings[2].ends_with(std::string(kCalibrationError) + "; the blending may be the cause")) << warnings[2];
+}
+
+TEST(ImageWarnings, ImagesUpsideDownExplainAContradictedCalibration) {
+  ImageFindings findings = Contradicted();
+  findings.is_upside_down = true;
+  const auto says = [&findings](int rotated, const char* advice) {
+    findings.rotated = rotated;
+    const std::vector<std::string> warnings = Warnings(findings);
+    return warnings.size() == 1 && warnings[0].find(advice) != std::string::npos;
+  };
+  EXPECT_TRUE(says(0, "rotate them (--rotate 180)"));
+  EXPECT_TRUE(says(90, "give --rotate 270 rather than 90"));
+  EXPECT_TRUE(says(180, "leave out --rotate 180"));
+}
+
+}  // namespace
+}  // namespace turnscale
