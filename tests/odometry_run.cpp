@@ -27,8 +27,7 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.map = odometry.map();
   run.mask = odometry.mask();
   run.upside_down = odometry.is_upside_down();
-  run.mount_jumps = odometry.mount().jumps();
-  if (run.mount_jumps > 0) run.mount_jump = odometry.mount().last_jump();
+  for (const MountCalibration::Jump& jump : odometry.mount().jumps()) run.mount_jumps.push_back(jump.jump);
   return run;
 }
 

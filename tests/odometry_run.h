@@ -27,8 +27,7 @@ struct OdometryRun {
   Map map;
   cv::Mat mask;  ///< of pixels left out at the end; empty if none are
   bool upside_down = false;
-  std::optional<MountJump> mount_jump;  ///< the last one
-  int mount_jumps = 0;
+  std::vector<MountJump> mount_jumps;
 };
 
 /// An empty image stands for one that could not be read.

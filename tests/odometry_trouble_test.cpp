@@ -240,9 +240,9 @@ TEST(OdometryTrouble, ACameraThatIsKnockedInTheDriveGivesTheSameMetres) {
   ExpectGoodDrive(run, drive);
   ASSERT_EQ(run.turns.size(), 2U);
   for (const TurnResult& turn : run.turns) EXPECT_TRUE(turn.used) << turn.reason;
-  ASSERT_EQ(run.mount_jumps, 1);
-  EXPECT_EQ(run.mount_jump->first_frame, kKnock);
-  EXPECT_LT(InDegrees(run.mount_jump->before_from_after.angularDistance(before_from_after)), 0.2);
+  ASSERT_EQ(run.mount_jumps.size(), 1U);
+  EXPECT_EQ(run.mount_jumps[0].first_frame, kKnock);
+  EXPECT_LT(InDegrees(run.mount_jumps[0].before_from_after.angularDistance(before_from_after)), 0.2);
 }
 
 TEST(OdometryTrouble, RepeatedImagesAreNoStandstill) {

@@ -322,9 +322,10 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   auto [frames, scale, blending] = recorder.Refined();
-  if (odometry.mount().jumps() > 0) {
+  if (!odometry.mount().jumps().empty()) {
     TurnToLast(odometry.mount(), frames);
-    progress.Warn(CameraJumpText(odometry.mount().last_jump()) + "; the rotation is that after it");
+    progress.Warn(CameraJumpText(odometry.mount().jumps().back().jump, images.source.first_time()) +
+                  "; the rotation is that after it");
   }
   constexpr auto kError = "the rotation and the lever arm may be wrong";
   const ImageFindings findings{.is_upside_down = odometry.is_upside_down(),

@@ -412,7 +412,7 @@ TEST(DriveScale, AJumpOfTheCameraIsNoMotionOfTheCar) {
     live.Next();
     if (CountKeyframes(live.map) != kAt + 3) continue;
     live.scale.Reread(live.map);
-    live.scale.AddJump(live.map, kAt, {kAt, jump});
+    live.scale.AddJump(live.map, kAt, {.first_frame = kAt, .before_from_after = jump});
     // The turn before it has been re-evaluated: it does not change the live path again.
     const std::vector<double> scales = live.scale.live_path().metres_per_unit;
     live.scale.Reread(live.map, live.scale.mount(), {.first = kAt - 10, .end = kAt, .final_before = 0});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <optional>
 
@@ -141,7 +142,7 @@ Eigen::Quaterniond MountCalibration::FrameFromLast(int frame) const {
 }
 
 bool MountCalibration::HasJumpsMissedBy(const MountCalibration& other) const {
-  return std::any_of(jumps_.begin() + other.jumps(), jumps_.end(),
+  return std::any_of(jumps_.begin() + static_cast<std::ptrdiff_t>(other.jumps_.size()), jumps_.end(),
                      [&](const Jump& jump) { return jump.first_keyframe < other.next_keyframe(); });
 }
 

@@ -28,6 +28,13 @@ struct Mount {
 /// the direction of travel, it is found anew.
 class MountCalibration {
  public:
+  struct Jump {
+    int first_keyframe = 0;
+    MountJump jump;
+    /// Rotation of camera axes, by this jump and all before it.
+    Eigen::Quaterniond start_from_after = Eigen::Quaterniond::Identity();
+  };
+
   explicit MountCalibration(const VehicleOptions& vehicle);
 
   /// Takes the next keyframes of the drive, whose poses are final; their observations are not used.
@@ -55,22 +62,14 @@ class MountCalibration {
   const std::vector<Mount>& mounts() const { return mounts_; }
   /// How often the camera was moved without a jump, so that its rotation is found anew.
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
-  /// How often it jumped.
-  int jumps() const { return static_cast<int>(jumps_.size()); }
-  /// The latest jump. There has to be one.
-  const MountJump& last_jump() const { return jumps_.back().jump; }
+  /// In the order of time.
+  const std::vector<Jump>& jumps() const { return jumps_; }
   /// Rotation of camera axes by the jumps between a frame and the end of the drive.
   Eigen::Quaterniond FrameFromLast(int frame) const;
   /// Whether jumps that `other` lacks come before keyframes that it has taken.
   bool HasJumpsMissedBy(const MountCalibration& other) const;
 
  private:
-  struct Jump {
-    int first_keyframe = 0;
-    MountJump jump;
-    /// Rotation of camera axes, by this jump and all before it.
-    Eigen::Quaterniond start_from_after = Eigen::Quaterniond::Identity();
-  };
   /// Rotation of camera axes by all jumps up to a keyframe.
   Eigen::Quaterniond StartFromKeyframe(int keyframe) const;
   Eigen::Quaterniond StartFromFrame(int frame) const;

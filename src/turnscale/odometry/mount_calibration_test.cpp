@@ -182,11 +182,11 @@ TEST(MountCalibration, AfterAJumpTheRotationIsKnownAtOnce) {
   MountCalibration mount{VehicleOptions()};
   mount.Learn(map, at - 1);
   MountCalibration copy = mount;
-  mount.AddJump(at, {at, jump});
+  mount.AddJump(at, {.first_frame = at, .before_from_after = jump});
   EXPECT_LT(DegreesBetween(mount.At(at - 1), kTurned), 1e-3);
   EXPECT_LT(DegreesBetween(mount.At(at), kTurned * jump), 1e-3);
   EXPECT_LT(DegreesBetween(mount.current().vehicle_from_camera, kTurned * jump), 1e-3);
-  EXPECT_EQ(mount.jumps(), 1);
+  EXPECT_EQ(mount.jumps().size(), 1U);
   EXPECT_FALSE(mount.HasJumpsMissedBy(copy));
   MountCalibration ignorant = copy;
   ignorant.Learn(map, at);

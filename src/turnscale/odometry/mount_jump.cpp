@@ -152,6 +152,7 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::
   const Eigen::Quaterniond before_from_after =
       RotationFromVector(turned).conjugate() * RotationFromVector(within.rotation);
   return Candidate{.jump = {.first_frame = frames_[first].number,
+                            .time = frames_[first].time,
                             .before_from_after = before_from_after,
                             .yaw = vertical.dot(VectorFromRotation(before_from_after))},
                    .unrest = unrest};

@@ -15,6 +15,7 @@ namespace turnscale {
 /// The camera was turned on the car between two frames, as by a knock.
 struct MountJump {
   int first_frame = 0;                                                    ///< the first one after it
+  double time = 0;                                                        ///< of that frame, seconds
   Eigen::Quaterniond before_from_after = Eigen::Quaterniond::Identity();  ///< rotation of camera axes
   double yaw = 0;                                                         ///< rad, positive to the right
 };

@@ -85,6 +85,7 @@ TEST(MountJump, AKnockIsMeasuredAtAnyRateOnAStraightAndInATurn) {
       const std::vector<MountJump> jumps = JumpsOf(frames);
       ASSERT_EQ(jumps.size(), 1U);
       EXPECT_EQ(jumps[0].first_frame, static_cast<int>(first));
+      EXPECT_EQ(jumps[0].time, frames.times[first]);
       EXPECT_LT(InDegrees(jumps[0].before_from_after.angularDistance(knock)), 0.1);
     }
   }

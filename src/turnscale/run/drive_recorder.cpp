@@ -20,7 +20,7 @@ void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunS
   summary.lens_model = camera.lens;
   if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
   const MountCalibration& calibration = odometry.mount();
-  summary.camera_jumps = calibration.jumps();
+  for (const MountCalibration::Jump& jump : calibration.jumps()) summary.camera_jumps.push_back(jump.jump);
   if (!options.vehicle.calibrate_camera) return;
   const Mount mount = calibration.current();
   summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
@@ -78,6 +78,7 @@ FrameResult DriveRecorder::ProcessUnreadable(double time, const std::string& pro
 
 void DriveRecorder::Keep(const FrameResult& result) {
   ++frames_;
+  if (frames_ == 1) first_time_ = result.time;
   last_time_ = result.time;
   tracks_ = tracks_ || result.world_from_camera;
   if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
@@ -90,9 +91,9 @@ void DriveRecorder::FollowMount(int frame) {
   RecordRotation(frame, last_time_, mount.current(), rotations_);
   move_warnings_.clear();
   if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(frame));
-  if (mount.jumps() > jumps_) move_warnings_.push_back(CameraJumpWarning(mount.last_jump()));
+  for (; jumps_ < mount.jumps().size(); ++jumps_)
+    move_warnings_.push_back(CameraJumpWarning(mount.jumps()[jumps_].jump, first_time_));
   moves_ = mount.moves();
-  jumps_ = mount.jumps();
 }
 
 void DriveRecorder::Finish() {

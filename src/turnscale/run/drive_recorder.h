@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -81,11 +82,12 @@ class DriveRecorder {
   ImageScaling scaling_;
   ProcessClocks started_;
   int frames_ = 0;
+  double first_time_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;
   std::vector<std::string> move_warnings_;
   int moves_ = 0;  // of the camera on the car
-  int jumps_ = 0;
+  std::size_t jumps_ = 0;
   SeenImages seen_;
   BlendedFrames blended_;
   DoubleImages double_;

@@ -225,8 +225,8 @@ std::string TurnsWarning(const RefinedScale& scale) {
 std::string OtherYaw(const RunSummary& summary) {
   constexpr double kMostSigmas = 3;
   const VehicleOptions& vehicle = summary.vehicle;
-  if (!vehicle.camera_known || !summary.mount || !summary.mount->found ||
-      summary.mount->moves + summary.camera_jumps > 0)
+  if (!vehicle.camera_known || !summary.mount || !summary.mount->found || summary.mount->moves > 0 ||
+      !summary.camera_jumps.empty())
     return "";
   const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
   const double found = summary.mount->angles.yaw;
@@ -319,13 +319,14 @@ std::string CameraMovedWarning(int frame) {
                      frame);
 }
 
-std::string CameraJumpText(const MountJump& jump) {
-  return fmt::format("frame {}: the camera was turned on the car by {:.1f} degrees to the {}, as by a knock",
-                     jump.first_frame, std::abs(InDegrees(jump.yaw)), jump.yaw > 0 ? "right" : "left");
+std::string CameraJumpText(const MountJump& jump, double first_time) {
+  return fmt::format(
+      "frame {} (at {:.1f} s): the camera was turned on the car by {:.1f} degrees to the {}, as by a knock",
+      jump.first_frame, jump.time - first_time, std::abs(InDegrees(jump.yaw)), jump.yaw > 0 ? "right" : "left");
 }
 
-std::string CameraJumpWarning(const MountJump& jump) {
-  return CameraJumpText(jump) +
+std::string CameraJumpWarning(const MountJump& jump, double first_time) {
+  return CameraJumpText(jump, first_time) +
          "; the path allows for it, and car.yaml has the rotation after it: check that the camera is still fixed";
 }
 

@@ -31,11 +31,11 @@ std::string SkippedWarning(int frame, const std::string& problem);
 /// Warning where the odometry finds, at this frame, that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);
 
-/// When and how the camera has jumped on the car.
-std::string CameraJumpText(const MountJump& jump);
+/// When and how the camera has jumped on the car. Its time counts from `first_time`.
+std::string CameraJumpText(const MountJump& jump, double first_time);
 
 /// Warning of a run where it has.
-std::string CameraJumpWarning(const MountJump& jump);
+std::string CameraJumpWarning(const MountJump& jump, double first_time);
 
 /// An image that could not be used.
 struct UnreadableFrame {
@@ -137,15 +137,15 @@ struct RunSummary {
   ScaleState scale_state = ScaleState::kPending;
   /// Time of the first online pose in metres, seconds, where the online path jumps; empty if there is none.
   std::optional<double> live_metric_from;
-  double path_sigma = 0;              ///< relative, of the path length in metres
-  double scale_sigma = 0;             ///< the same without the parts of the path that are not measured
-  double worst_sigma = 0;             ///< relative, the largest of the scale along the path
-  double worst_sigma_time = 0;        ///< seconds, where that is
-  std::optional<LensSummary> lens;    ///< empty where it was not looked for
-  std::optional<MountSummary> mount;  ///< empty where it was given
-  int camera_jumps = 0;               ///< how often the camera was turned by a knock; `mount` is after the last one
-  int calibration_windows = 0;        ///< parts of turns in which the intrinsics were tested
-  bool calibration_agrees = true;     ///< with them, if there are any
+  double path_sigma = 0;                ///< relative, of the path length in metres
+  double scale_sigma = 0;               ///< the same without the parts of the path that are not measured
+  double worst_sigma = 0;               ///< relative, the largest of the scale along the path
+  double worst_sigma_time = 0;          ///< seconds, where that is
+  std::optional<LensSummary> lens;      ///< empty where it was not looked for
+  std::optional<MountSummary> mount;    ///< empty where it was given
+  std::vector<MountJump> camera_jumps;  ///< where the camera was turned by a knock; `mount` is after the last one
+  int calibration_windows = 0;          ///< parts of turns in which the intrinsics were tested
+  bool calibration_agrees = true;       ///< with them, if there are any
   /// Yaw of the camera that the drive shows and the trajectory uses, rad, where it contradicts what was given.
   std::optional<double> contradicting_yaw;
   /// Empty while the scale is pending, or where the trajectory does not use it: single-turn scales.

@@ -73,7 +73,10 @@ nlohmann::ordered_json MountJson(const RunSummary& summary) {
                                           mount->sigma.roll * kDegreesPerRadian};
     json["moves"] = mount->moves;
   }
-  json["knocks"] = summary.camera_jumps;
+  json["knocks"] = nlohmann::ordered_json::array();
+  for (const MountJump& jump : summary.camera_jumps)
+    json["knocks"].push_back(
+        {{"frame", jump.first_frame}, {"time_s", jump.time}, {"yaw_deg", jump.yaw * kDegreesPerRadian}});
   if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
   return json;
 }

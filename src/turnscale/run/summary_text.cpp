@@ -85,7 +85,8 @@ std::string YawCorrectionText(const RunSummary& summary, double yaw) {
 }
 
 std::string KnockText(const RunSummary& summary) {
-  return summary.camera_jumps > 0 ? "; turned by a knock " + Times(summary.camera_jumps) : "";
+  const auto knocks = static_cast<int>(summary.camera_jumps.size());
+  return knocks > 0 ? "; turned by a knock " + Times(knocks) : "";
 }
 
 // One line.
