@@ -57,6 +57,13 @@ def times_of(drive):
     return [float(line) for line in (drive / "times.txt").read_text().split()]
 
 
+def ffmpeg_input(drive, rate):
+    """Arguments of ffmpeg that read its images, so many a second."""
+    video = drive / "video.mkv"
+    return ["-r", rate, *(["-i", video] if video.is_file() else
+                          ["-pattern_type", "glob", "-i", drive / "image_0" / "*.png"])]
+
+
 def poses_of(path):
     """3x4 matrices, row by row."""
     return [[float(word) for word in line.split()] for line in path.read_text().splitlines()]
@@ -144,6 +151,12 @@ def run_and_score(program, images, truth, out, options):
 def calibration_reports(score):
     """The warnings of a run that the images contradict its calibration."""
     return [warning for warning in score.get("warnings", []) if warning.startswith("the images taken in turns give a ")]
+
+
+def is_outside(score):
+    """Whether the error of the path's length is above two stated sigmas. No sigma claims nothing."""
+    error, sigma = score.get("path_percent"), score.get("sigma_percent")
+    return error is not None and sigma is not None and abs(error) > 2 * sigma
 
 
 def percent_tracked(score):
