@@ -30,9 +30,11 @@ constexpr double kMostStretch = 1.5;
 // the yaw rate beside it is as steady as kMostUnrest demands, it differs by up to 0.1 and 0.3 degrees (docs/knocks.md).
 constexpr double kLeastJump = 0.5 / kDegreesPerRadian;
 constexpr double kJumpGrowth = 60 / kDegreesPerRadian;
-// Largest spread of the yaw rates beside a jump, multiplied by the duration of the jump, as a share of the jump. Beyond
-// it, a part of the jump lies outside, or the car begins a turn.
-constexpr double kMostUnrest = 0.3;
+// Largest spread of the yaw rates beside a jump, multiplied by the duration of the jump, as a share of the jump: about
+// the straight line that fits them best, as a car turns faster and faster where it begins a turn. Beyond it, a part of
+// the jump lies outside.
+constexpr double kMostUnrest = 0.4;
+
 // Motion along an interval between two frames.
 struct Motion {
   double seconds = 0;
@@ -41,6 +43,15 @@ struct Motion {
 
   Eigen::Vector3d rate() const { return rotation / seconds; }
 };
+
+using RatesBeside = Eigen::Vector<double, 2 * kBeside>;
+
+// Largest minus smallest distance of rates from the straight line in time that fits them best.
+double SpreadAboutLine(const RatesBeside& times, const RatesBeside& rates) {
+  const RatesBeside since_middle = times.array() - times.mean();
+  const RatesBeside from_line = rates - since_middle.dot(rates) / since_middle.squaredNorm() * since_middle;
+  return from_line.maxCoeff() - from_line.minCoeff();
+}
 
 // The one that is nearer to zero; 0 if their signs differ.
 double Weaker(double a, double b) {
@@ -114,15 +125,15 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::
   const Motion after = motion(samples[end - kBeside], samples[end - kBeside + 1]);
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0;
-  double slowest = std::numeric_limits<double>::infinity();
-  double fastest = -slowest;
-  for (std::size_t i = 0; i < end; ++i) {
-    if (i >= kBeside && i < end - kBeside) continue;
+  RatesBeside times;
+  RatesBeside rates;
+  for (std::size_t k = 0; k < 2 * kBeside; ++k) {
+    const std::size_t i = k < kBeside ? k : end - 2 * kBeside + k;
     const Motion beside = motion(samples[i], samples[i + 1]);
     shortest = std::min(shortest, beside.seconds);
     longest = std::max(longest, beside.seconds);
-    slowest = std::min(slowest, vertical.dot(beside.rate()));
-    fastest = std::max(fastest, vertical.dot(beside.rate()));
+    times[k] = 0.5 * (frames_[samples[i]].time + frames_[samples[i + 1]].time);
+    rates[k] = vertical.dot(beside.rate());
   }
   const auto intervals = static_cast<double>(end - 2 * kBeside);
   if (longest > kMostUneven * shortest || within.seconds > kMostUnevenWithin * intervals * shortest)
@@ -137,7 +148,7 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::
   const double jump = Weaker(by_time, by_distance);
   if (!(std::abs(jump) > kLeastJump + kJumpGrowth * within.seconds * within.seconds)) return std::nullopt;
 
-  const double unrest = (fastest - slowest) * within.seconds;
+  const double unrest = SpreadAboutLine(times, rates) * within.seconds;
   if (unrest > kMostUnrest * std::abs(jump)) return std::nullopt;
 
   // The first frame after the jump: where most of it takes place.

@@ -23,7 +23,7 @@ struct MountJump {
 /// Detects jumps of the camera's yaw on the car, from the motion between frames: the yaw within one or two intervals
 /// (the shortest multiple of the time between frames that is at least 0.08 s) differs from what the turning rates
 /// before and after it imply, and from what the curvature of the path implies, by more than that of a car does. It does
-/// not detect slower moves, jumps where the car begins or ends a turn or stands still, and a camera that swings back.
+/// not detect slower moves, jumps while the car stands or its yaw rate changes unevenly, and a camera that swings back.
 class MountJumpDetector {
  public:
   /// Takes the next frame that was tracked, at `time` seconds. `previous_from_current`: its motion since the last one
@@ -46,7 +46,7 @@ class MountJumpDetector {
   };
   struct Candidate {
     MountJump jump;
-    double unrest = 0;  // of the intervals beside it: change of the yaw, rad
+    double unrest = 0;  // of the intervals beside it: uneven change of the yaw, rad
   };
   std::optional<Candidate> JumpBetween(std::span<const std::size_t> samples, const Eigen::Vector3d& vertical) const;
   std::optional<Candidate> JumpNow(const Eigen::Vector3d& vertical);
