@@ -27,7 +27,7 @@ constexpr double kMostStretch = 1.5;
 // Smallest jump, rad, and its growth with the square of the time that it takes, rad/s^2. In the ground truth of KITTI
 // (23,000 frames) the yaw within 0.1 s differs by up to 1.4 degrees from what the motion beside it implies, that within
 // 0.2 s by up to 2.6 degrees; without sequence 00, whose ground truth has jumps, by up to 0.5 and 0.9 degrees. Where
-// the yaw rate beside it is as steady as kMostUnrest demands, it differs by up to 0.1 and 0.3 degrees (docs/knocks.md).
+// the yaw rate beside it is as steady as kMostUnrest demands, it differs by up to 0.1 and 0.5 degrees (docs/knocks.md).
 constexpr double kLeastJump = 0.5 / kDegreesPerRadian;
 constexpr double kJumpGrowth = 60 / kDegreesPerRadian;
 // Largest spread of the yaw rates beside a jump, multiplied by the duration of the jump, as a share of the jump: about

@@ -91,6 +91,23 @@ TEST(MountJump, AKnockIsMeasuredAtAnyRateOnAStraightAndInATurn) {
   }
 }
 
+TEST(MountJump, AKnockWhereATurnBeginsOrEndsIsMeasured) {
+  for (const double fps : {10, 30}) {
+    for (const double at : {3.4, 5.4}) {
+      for (const double degrees : {-2, 2}) {
+        SCOPED_TRACE(testing::Message() << fps << " frames/s, after " << at << " s, by " << degrees);
+        Frames frames = Bend(fps);
+        const auto first = static_cast<std::size_t>(at * fps);
+        Turn(Yaw(degrees), first, frames);
+        const std::vector<MountJump> jumps = JumpsOf(frames);
+        ASSERT_EQ(jumps.size(), 1U);
+        EXPECT_EQ(jumps[0].first_frame, static_cast<int>(first));
+        EXPECT_LT(InDegrees(jumps[0].before_from_after.angularDistance(Yaw(degrees))), 0.1);
+      }
+    }
+  }
+}
+
 TEST(MountJump, OneThatTakesSomeFramesIsMeasured) {
   Frames frames = Bend(30);
   for (std::size_t i = 40; i < 44; ++i) Turn(Yaw(1), i, frames);
