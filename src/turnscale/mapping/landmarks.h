@@ -12,7 +12,7 @@ struct LandmarkOptions {
   double min_parallax_deg = 0.5;
   /// The same in pixels at the image's centre, where that is more. With a short focal length, clouds would get a depth
   /// from rotations that are wrong by a few pixels.
-  double min_parallax = 4;
+  double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
 

@@ -19,6 +19,8 @@ using LensChange = IntrinsicsChange::Vector;
 constexpr int kFirstIterations = 12;
 constexpr int kFurtherIterations = 5;
 constexpr int kMostRounds = 10;  // of a window
+// Of a window's information that counts: windows overlap by half, so that most observations are in two.
+constexpr double kShareOfWindow = 0.5;
 // In standard deviations; a smaller step is not measured again.
 constexpr double kNegligibleStep = 0.3;
 
@@ -59,14 +61,21 @@ LensRefinement::LensRefinement(const LensRefinementOptions& options)
 }
 
 void LensRefinement::Update() {
-  const Belief accurate = Posterior(options_.accurate_sigma, information_, weighted_estimate_);
-  const Belief off = Posterior(options_.prior_sigma, information_, weighted_estimate_);
+  const double scatter = Scatter();
+  const Belief accurate = Posterior(options_.accurate_sigma, information_ / scatter, weighted_estimate_ / scatter);
+  const Belief off = Posterior(options_.prior_sigma, information_ / scatter, weighted_estimate_ / scatter);
   const double odds =
       options_.accurate_share / (1 - options_.accurate_share) * std::exp(accurate.log_evidence - off.log_evidence);
   const double share = odds / (1 + odds);
   correction_ = share * accurate.mean + (1 - share) * off.mean;
   const double apart = accurate.mean - off.mean;
   sigma_ = std::sqrt(share * accurate.variance + (1 - share) * off.variance + share * (1 - share) * apart * apart);
+}
+
+double LensRefinement::Scatter() const {
+  if (windows_ < 2) return 1;
+  const double squares = weighted_square_ - weighted_estimate_ * weighted_estimate_ / information_;
+  return std::max(1.0, squares / (kShareOfWindow * (windows_ - 1)));
 }
 
 std::optional<IntrinsicsProblem> LensRefinement::TakeWindow(const Map& map) {
@@ -99,15 +108,17 @@ bool LensRefinement::Read(IntrinsicsProblem& window) {
     const double at = evidence->at[kEntry];
     const double curvature = evidence->information(kEntry, kEntry);
     if (!(curvature > 0)) return false;
-    // Windows overlap by half: most observations count twice.
-    const double information = information_ + 0.5 * curvature;
-    const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[kEntry]);
+    const double minimum = at - evidence->gradient[kEntry] / curvature;
+    const double information = information_ + kShareOfWindow * curvature;
+    const double weighted_estimate = weighted_estimate_ + kShareOfWindow * curvature * minimum;
     // Where the parabola is measured does not depend on which of the two priors is believed.
     const Belief off = Posterior(options_.prior_sigma, information, weighted_estimate);
     const double step = off.mean - at;
     if (step * step * information < kNegligibleStep * kNegligibleStep) {
       information_ = information;
       weighted_estimate_ = weighted_estimate;
+      weighted_square_ += kShareOfWindow * curvature * minimum * minimum;
+      ++windows_;
       Update();
       return true;
     }

@@ -146,6 +146,16 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
   EXPECT_NEAR(from_corrected.correction(), from_raw.correction(), 1e-6);
 }
 
+TEST(LensRefinement, WindowsThatContradictOneAnotherWidenSigma) {
+  const auto sigma_after = [](double first, double second) {
+    LensRefinement lens({});
+    EXPECT_TRUE(Observe(lens, MapUpTo(34, MapThroughLens(kStreetCornerStreet, first, 0.3, 3))));
+    EXPECT_TRUE(Observe(lens, MapUpTo(40, MapThroughLens(kStreetCornerStreet, second, 0.3, 3))));
+    return lens.sigma();
+  };
+  EXPECT_GT(sigma_after(-0.012, 0.012), 3 * sigma_after(-0.012, -0.012));
+}
+
 // Standard deviation of the mixture.
 double PriorSigma(const LensRefinementOptions& options) {
   return std::sqrt(options.accurate_share * options.accurate_sigma * options.accurate_sigma +
