@@ -11,7 +11,7 @@ struct LandmarkOptions {
   /// Angle under which two keyframes have to see a landmark before it is given a depth, degrees.
   double min_parallax_deg = 0.5;
   /// The same in pixels at the image's centre, where that is more. With a short focal length, clouds would get a depth
-  /// from rotations that are wrong by a few pixels.
+  /// from rotations that are wrong by one or two pixels.
   double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;

@@ -21,6 +21,9 @@ constexpr int kFurtherIterations = 5;
 constexpr int kMostRounds = 10;  // of a window
 // Of a window's information that counts: windows overlap by half, so that most observations are in two.
 constexpr double kShareOfWindow = 0.5;
+// Noise of the images multiplies the variance between windows by less than this. What is beyond it comes from single
+// windows that are wrong, which must not hide a real correction.
+constexpr double kMostScatter = 4;
 // In standard deviations; a smaller step is not measured again.
 constexpr double kNegligibleStep = 0.3;
 
@@ -75,7 +78,7 @@ void LensRefinement::Update() {
 double LensRefinement::Scatter() const {
   if (windows_ < 2) return 1;
   const double squares = weighted_square_ - weighted_estimate_ * weighted_estimate_ / information_;
-  return std::max(1.0, squares / (kShareOfWindow * (windows_ - 1)));
+  return std::clamp(squares / (kShareOfWindow * (windows_ - 1)), 1.0, kMostScatter);
 }
 
 std::optional<IntrinsicsProblem> LensRefinement::TakeWindow(const Map& map) {

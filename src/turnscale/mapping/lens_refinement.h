@@ -44,7 +44,8 @@ struct LensRefinementOptions {
 /// marginalised out (IntrinsicsProblem), measured near its minimum. The parabolas add up to a Gaussian likelihood. The
 /// estimate is the posterior mean, with a mixture of two Gaussians as the prior: the calibration is accurate, or off.
 /// What the windows cannot tell from noise hardly changes the calibration; a significant correction is taken as it is.
-/// Windows of noisy images scatter more than their parabolas say: their scatter widens sigma.
+/// Windows of noisy images scatter more than their parabolas say: their scatter widens sigma, so that less of them
+/// counts as significant.
 class LensRefinement {
  public:
   explicit LensRefinement(const LensRefinementOptions& options);
@@ -61,15 +62,17 @@ class LensRefinement {
  private:
   /// Correction and sigma from the sums.
   void Update();
-  /// Mean square of the windows' deviations from their mean, in sigmas of each; at least 1.
+  /// Mean square of the windows' deviations from their mean, in sigmas of each, from 1 to 4.
   double Scatter() const;
 
   LensRefinementOptions options_;
   double correction_ = 0;
   double sigma_ = 0;
-  double information_ = 0;        ///< curvature of the sum of all parabolas
-  double weighted_estimate_ = 0;  ///< information_ times the place of its minimum
-  double weighted_square_ = 0;    ///< sum of the squares of the parabolas' minima by their curvature
+  /// Curvature of the sum of all parabolas, each times the share of a window that counts; sums of their minima and of
+  /// the squares of these, weighted likewise.
+  double information_ = 0;
+  double weighted_estimate_ = 0;
+  double weighted_square_ = 0;
   int windows_ = 0;
   int next_keyframe_;  ///< the window ends there
 };

