@@ -27,7 +27,7 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.map = odometry.map();
   run.mask = odometry.mask();
   run.upside_down = odometry.is_upside_down();
-  for (const MountCalibration::Jump& jump : odometry.mount().jumps()) run.mount_jumps.push_back(jump.jump);
+  run.mount_jumps = odometry.mount().jumps();
   return run;
 }
 

@@ -83,8 +83,12 @@ void FrameByFrame::SetMask(const py::array& mask) {
   });
 }
 
+void FrameByFrame::NoteMoves() {
+  for (std::string& warning : recorder_.TakeMoveWarnings()) warnings_.push_back(std::move(warning));
+}
+
 LiveFrame FrameByFrame::Keep(const FrameResult& result) {
-  for (const std::string& warning : recorder_.move_warnings()) warnings_.push_back(warning);
+  NoteMoves();
   if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
   LiveFrame frame;
   frame.result = result;
@@ -113,6 +117,7 @@ void FrameByFrame::Finish() {
   WithoutLock([&] {
     if (finished_) return;
     recorder_.Finish();
+    NoteMoves();
     finished_ = true;
   });
 }

@@ -59,6 +59,7 @@ class FrameByFrame {
   template <class Work>
   auto WithoutLock(const Work& work);
   LiveFrame Keep(const FrameResult& result);
+  void NoteMoves();
   void RefuseAfterEnd() const;
   RunSummary SummaryOf(const RefinedResults& results) const;
 

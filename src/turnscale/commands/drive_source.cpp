@@ -20,6 +20,7 @@
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/run/drive_recorder.h"
 #include "turnscale/run/image_warnings.h"
@@ -322,11 +323,6 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   auto [frames, scale, blending] = recorder.Refined();
-  if (!odometry.mount().jumps().empty()) {
-    TurnToLast(odometry.mount(), frames);
-    progress.Warn(CameraJumpText(odometry.mount().jumps().back().jump, images.source.first_time()) +
-                  "; the rotation is that after it");
-  }
   constexpr auto kError = "the rotation and the lever arm may be wrong";
   const ImageFindings findings{.is_upside_down = odometry.is_upside_down(),
                                .rotated = arguments.rotate,
@@ -335,6 +331,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                                .is_calibration_refined = estimate.found.has_value()};
   for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
     progress.Warn(warning);
+  const std::vector<MountJump> jumps = odometry.mount().jumps();
+  for (const MountJump& jump : jumps)
+    progress.Warn(CameraJumpText(jump, images.source.first_time()) +
+                  "; the rotation is that after it, for other drives than this one");
+  if (!jumps.empty()) TurnToLast(odometry.mount(), frames);
   motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

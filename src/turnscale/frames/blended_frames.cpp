@@ -236,14 +236,14 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
 }
 
 std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence) {
-  if (blending.sign == FrameBlending::Sign::kImageBefore) {
+  if (blending.kind == FrameBlending::Kind::kImageBefore) {
     return fmt::format(
-        "each image seems to contain a weaker copy of the one before (from {:.1f} to {:.1f} s), as blended frames or "
+        "each image seems to contain a copy of the one before (from {:.1f} to {:.1f} s), as blended frames or "
         "strong temporal noise reduction leave it: {}; use the video as the camera recorded it, and record later "
         "drives without temporal noise reduction",
         blending.from, blending.to, consequence);
   }
-  if (blending.sign == FrameBlending::Sign::kHalfInterval) {
+  if (blending.kind == FrameBlending::Kind::kHalfInterval) {
     return fmt::format(
         "each image seems to be the mean of two frames (from {:.1f} to {:.1f} s), as in a video whose frame rate was "
         "halved by blending: {}; use the video as the camera recorded it",

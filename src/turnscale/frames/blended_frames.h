@@ -18,16 +18,16 @@ struct FrameBlending {
   static constexpr double kScaleSigma = 0.25;
 
   /// How it shows.
-  enum class Sign {
+  enum class Kind {
     kRhythm,        ///< the sharpness rises and falls from image to image
-    kImageBefore,   ///< each image contains the one before
-    kHalfInterval,  ///< each image contains one that is half of the interval earlier
+    kImageBefore,   ///< each image contains a copy of the one before
+    kHalfInterval,  ///< each image is the mean of two moments, half of the interval between images apart
   };
 
   double from = 0;  ///< time, seconds, where it begins
   double to = 0;    ///< time, seconds, where it ends
-  Sign sign = Sign::kRhythm;
-  double period = 0;  ///< of kRhythm: images from one that is sharp to the next, at least 2
+  Kind kind = Kind::kRhythm;
+  double period = 0;  ///< of kRhythm: images from one that is sharp to the next, at least 2; else 0
 };
 
 /// The warning, one line. `consequence`: such as "the scale may be wrong".

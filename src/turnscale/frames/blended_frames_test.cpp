@@ -118,12 +118,12 @@ TEST(BlendedFrames, TheWarningSaysWhatToDo) {
 
 TEST(BlendedFrames, TheWarningOfWeightsThatDoNotChange) {
   EXPECT_EQ(
-      FrameBlendingText({.from = 1, .to = 20.04, .sign = FrameBlending::Sign::kImageBefore}, "the scale may be wrong"),
-      "each image seems to contain a weaker copy of the one before (from 1.0 to 20.0 s), as blended frames or "
+      FrameBlendingText({.from = 1, .to = 20.04, .kind = FrameBlending::Kind::kImageBefore}, "the scale may be wrong"),
+      "each image seems to contain a copy of the one before (from 1.0 to 20.0 s), as blended frames or "
       "strong temporal noise reduction leave it: the scale may be wrong; use the video as the camera recorded it, "
       "and record later drives without temporal noise reduction");
   EXPECT_EQ(
-      FrameBlendingText({.from = 1, .to = 20.04, .sign = FrameBlending::Sign::kHalfInterval}, "the scale may be wrong"),
+      FrameBlendingText({.from = 1, .to = 20.04, .kind = FrameBlending::Kind::kHalfInterval}, "the scale may be wrong"),
       "each image seems to be the mean of two frames (from 1.0 to 20.0 s), as in a video whose frame rate was halved "
       "by blending: the scale may be wrong; use the video as the camera recorded it");
 }

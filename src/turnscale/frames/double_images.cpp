@@ -22,16 +22,17 @@ constexpr float kLongestShift = 80;
 // Shifts in motions of a point since the image before.
 struct Shifts {
   // The first is that between the two moments. A point that comes nearer moves more in the second half of an interval.
+  // In reverse it is the first half, which is not looked at.
   std::vector<float> between_moments;
   // These a second moment makes no more similar. Of a pattern that repeats after the shift between the moments, as
   // railings may, twice the shift is as similar.
   std::vector<float> other;
 };
 
-const Shifts& ShiftsOf(FrameBlending::Sign sign) {
+const Shifts& ShiftsOf(FrameBlending::Kind kind) {
   static const Shifts image_before{.between_moments = {1}, .other = {0.65F, 0.8F, 1.2F, 1.35F, 2}};
   static const Shifts half_interval{.between_moments = {0.5F, 0.53F, 0.56F}, .other = {0.325F, 0.4F, 0.65F, 0.725F, 1}};
-  return sign == FrameBlending::Sign::kHalfInterval ? half_interval : image_before;
+  return kind == FrameBlending::Kind::kHalfInterval ? half_interval : image_before;
 }
 
 // Points that are looked at, and the fewest that tell something of an image.
@@ -39,8 +40,8 @@ constexpr std::size_t kMostPoints = 100;
 constexpr std::size_t kFewestPoints = 12;
 
 // Excess of the similarity at the shift between the moments over the largest at the other shifts. Its median over the
-// points of an image is about -0.2 for one moment, as the largest of several is positive by chance, and 0 to 0.1 for
-// two equally strong ones.
+// points of an image is about -0.15 to -0.2 for one moment, as the largest of several is positive by chance, and 0 to
+// 0.1 for two equally strong ones.
 constexpr double kLeastExcess = 0.01;
 constexpr double kLeastShareOfImages = 0.25;
 constexpr std::ptrdiff_t kFewestImages = 16;  // that show two moments
@@ -111,19 +112,19 @@ std::optional<double> MedianExcess(const cv::Mat& gray, const std::vector<MovedP
 
 void DoubleImages::Add(const cv::Mat& gray, double time, const std::vector<MovedPoint>& points) {
   for (Tested& tested : tested_)
-    if (const std::optional<double> excess = MedianExcess(gray, points, ShiftsOf(tested.sign)))
+    if (const std::optional<double> excess = MedianExcess(gray, points, ShiftsOf(tested.kind)))
       tested.images.push_back({time, *excess});
 }
 
 std::optional<FrameBlending> DoubleImages::Find() const {
   const auto is_double = [](const Measured& image) { return image.excess >= kLeastExcess; };
-  for (const auto& [sign, images] : tested_) {
+  for (const auto& [kind, images] : tested_) {
     const std::ptrdiff_t count = std::ranges::count_if(images, is_double);
     if (count < kFewestImages || static_cast<double>(count) < kLeastShareOfImages * static_cast<double>(images.size()))
       continue;
     const auto first = std::ranges::find_if(images, is_double);
     const auto last = std::find_if(images.rbegin(), images.rend(), is_double);
-    return FrameBlending{.from = first->time, .to = last->time, .sign = sign};
+    return FrameBlending{.from = first->time, .to = last->time, .kind = kind};
   }
   return std::nullopt;
 }

@@ -39,11 +39,11 @@ class DoubleImages {
     double excess = 0;  // of the similarity at the shift between the two moments over that at other shifts
   };
   struct Tested {
-    FrameBlending::Sign sign;
+    FrameBlending::Kind kind;
     std::vector<Measured> images;
   };
-  std::array<Tested, 2> tested_{Tested{FrameBlending::Sign::kImageBefore, {}},
-                                Tested{FrameBlending::Sign::kHalfInterval, {}}};
+  std::array<Tested, 2> tested_{Tested{FrameBlending::Kind::kImageBefore, {}},
+                                Tested{FrameBlending::Kind::kHalfInterval, {}}};
 };
 
 }  // namespace turnscale

@@ -62,7 +62,7 @@ TEST(DoubleImages, TwoMomentsInEveryImage) {
   for (const double share : {0.5, 0.6, 0.7}) {
     const std::optional<FrameBlending> found = Found(Double(share));
     ASSERT_TRUE(found) << share;
-    EXPECT_EQ(found->sign, FrameBlending::Sign::kImageBefore);
+    EXPECT_EQ(found->kind, FrameBlending::Kind::kImageBefore);
     EXPECT_EQ(found->from, 0);
     EXPECT_NEAR(found->to, 59 * kSecondsBetween, 1e-9);
   }
@@ -83,7 +83,7 @@ TEST(DoubleImages, MeansOfTwoFramesAtHalfTheRate) {
   };
   const std::optional<FrameBlending> found = Found(mean, 60, kBetweenImages);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->sign, FrameBlending::Sign::kHalfInterval);
+  EXPECT_EQ(found->kind, FrameBlending::Kind::kHalfInterval);
   EXPECT_FALSE(Found([](int i) { return WallAt(kBetweenImages * (i + 1)); }, 60, kBetweenImages)) << "one moment";
 }
 

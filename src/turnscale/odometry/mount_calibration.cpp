@@ -141,6 +141,12 @@ Eigen::Quaterniond MountCalibration::FrameFromLast(int frame) const {
   return StartFromFrame(frame).conjugate() * StartAfter(jumps_.end());
 }
 
+std::vector<MountJump> MountCalibration::jumps() const {
+  std::vector<MountJump> jumps;
+  for (const Jump& jump : jumps_) jumps.push_back(jump.jump);
+  return jumps;
+}
+
 bool MountCalibration::HasJumpsMissedBy(const MountCalibration& other) const {
   return std::any_of(jumps_.begin() + static_cast<std::ptrdiff_t>(other.jumps_.size()), jumps_.end(),
                      [&](const Jump& jump) { return jump.first_keyframe < other.next_keyframe(); });

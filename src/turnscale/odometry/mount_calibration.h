@@ -28,13 +28,6 @@ struct Mount {
 /// the direction of travel, it is found anew.
 class MountCalibration {
  public:
-  struct Jump {
-    int first_keyframe = 0;
-    MountJump jump;
-    /// Rotation of camera axes, by this jump and all before it.
-    Eigen::Quaterniond start_from_after = Eigen::Quaterniond::Identity();
-  };
-
   explicit MountCalibration(const VehicleOptions& vehicle);
 
   /// Takes the next keyframes of the drive, whose poses are final; their observations are not used.
@@ -63,13 +56,19 @@ class MountCalibration {
   /// How often the camera was moved without a jump, so that its rotation is found anew.
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
   /// In the order of time.
-  const std::vector<Jump>& jumps() const { return jumps_; }
+  std::vector<MountJump> jumps() const;
   /// Rotation of camera axes by the jumps between a frame and the end of the drive.
   Eigen::Quaterniond FrameFromLast(int frame) const;
   /// Whether jumps that `other` lacks come before keyframes that it has taken.
   bool HasJumpsMissedBy(const MountCalibration& other) const;
 
  private:
+  struct Jump {
+    int first_keyframe = 0;
+    MountJump jump;
+    /// Rotation of camera axes, by this jump and all before it.
+    Eigen::Quaterniond start_from_after = Eigen::Quaterniond::Identity();
+  };
   /// Rotation of camera axes by all jumps up to a keyframe.
   Eigen::Quaterniond StartFromKeyframe(int keyframe) const;
   Eigen::Quaterniond StartFromFrame(int frame) const;

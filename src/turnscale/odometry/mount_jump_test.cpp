@@ -93,16 +93,16 @@ TEST(MountJump, AKnockIsMeasuredAtAnyRateOnAStraightAndInATurn) {
 
 TEST(MountJump, AKnockWhereATurnBeginsOrEndsIsMeasured) {
   for (const double fps : {10, 30}) {
-    for (const double at : {3.4, 5.4}) {
+    for (double at = 2.5; at < 6.4; at += 0.1) {
       for (const double degrees : {-2, 2}) {
         SCOPED_TRACE(testing::Message() << fps << " frames/s, after " << at << " s, by " << degrees);
         Frames frames = Bend(fps);
-        const auto first = static_cast<std::size_t>(at * fps);
+        const auto first = static_cast<std::size_t>(std::lround(at * fps));
         Turn(Yaw(degrees), first, frames);
         const std::vector<MountJump> jumps = JumpsOf(frames);
         ASSERT_EQ(jumps.size(), 1U);
         EXPECT_EQ(jumps[0].first_frame, static_cast<int>(first));
-        EXPECT_LT(InDegrees(jumps[0].before_from_after.angularDistance(Yaw(degrees))), 0.1);
+        EXPECT_LT(InDegrees(jumps[0].before_from_after.angularDistance(Yaw(degrees))), 0.3);
       }
     }
   }
@@ -165,7 +165,7 @@ TEST(MountJump, TheNoiseOfACarThatStandsIsNoJump) {
 
 TEST(MountJump, NoTurnOfACarIsAJump) {
   for (const double fps : {5, 7, 10, 30, 60})
-    for (const double turn_in : {0.5, 0.8, 2.0})
+    for (const double turn_in : {0.1, 0.3, 0.5, 0.8, 2.0})
       EXPECT_TRUE(JumpsOf(Bend(fps, turn_in)).empty()) << fps << ' ' << turn_in;
 }
 

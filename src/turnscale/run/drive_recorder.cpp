@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/run/full_size.h"
 
 namespace turnscale {
@@ -20,7 +21,7 @@ void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunS
   summary.lens_model = camera.lens;
   if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
   const MountCalibration& calibration = odometry.mount();
-  for (const MountCalibration::Jump& jump : calibration.jumps()) summary.camera_jumps.push_back(jump.jump);
+  summary.camera_jumps = calibration.jumps();
   if (!options.vehicle.calibrate_camera) return;
   const Mount mount = calibration.current();
   summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
@@ -89,18 +90,28 @@ void DriveRecorder::Keep(const FrameResult& result) {
 void DriveRecorder::FollowMount(int frame) {
   const MountCalibration& mount = odometry_.mount();
   RecordRotation(frame, last_time_, mount.current(), rotations_);
-  move_warnings_.clear();
   if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(frame));
-  for (; jumps_ < mount.jumps().size(); ++jumps_)
-    move_warnings_.push_back(CameraJumpWarning(mount.jumps()[jumps_].jump, first_time_));
+  const std::vector<MountJump> jumps = mount.jumps();
+  for (; jumps_ < jumps.size(); ++jumps_) move_warnings_.push_back(CameraJumpWarning(jumps[jumps_], first_time_));
   moves_ = mount.moves();
 }
 
 void DriveRecorder::Finish() {
-  odometry_.Finish();
-  // The turns of the end may have told more of it, and a jump is confirmed by the frames after it.
-  if (frames_ > 0) FollowMount(frames_ - 1);
+  // The turns of the end may have told more of it, and a jump is confirmed by the frames after it, be it that the final
+  // adjustment fails.
+  const auto follow = [this] {
+    if (frames_ > 0) FollowMount(frames_ - 1);
+  };
+  try {
+    odometry_.Finish();
+  } catch (...) {
+    follow();
+    throw;
+  }
+  follow();
 }
+
+std::vector<std::string> DriveRecorder::TakeMoveWarnings() { return std::exchange(move_warnings_, {}); }
 
 RefinedResults DriveRecorder::Refined() const {
   RefinedScale scale = odometry_.Refined();

@@ -50,8 +50,9 @@ class DriveRecorder {
   /// There is a map, or there was.
   bool tracks() const { return tracks_; }
 
-  /// Warnings if the last frame, or the end of the drive, showed that the camera was moved on the car.
-  const std::vector<std::string>& move_warnings() const { return move_warnings_; }
+  /// Warnings that the camera was moved on the car, as far as they have not been taken yet. Take them after each frame,
+  /// and after Finish, also where it fails.
+  std::vector<std::string> TakeMoveWarnings();
 
   /// The images before the map.
   const SeenImages& seen() const { return seen_; }

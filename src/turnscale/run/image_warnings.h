@@ -20,8 +20,9 @@ struct ImageFindings {
 };
 
 /// One line for each finding; the calibration's are left out where images that are upside down explain them. Their
-/// times count from `first_time`. `blending_error`, `calibration_error`: what follows for the results, such as "the
-/// scale may be wrong"; that of the calibration may be empty.
+/// times count from `first_time`, seconds. `blending_error`, `calibration_error`: what follows for the results, such as
+/// "the scale may be wrong". The last contradiction of the calibration says the latter, which may be empty, and that
+/// blending may be the cause.
 std::vector<std::string> ImageWarnings(const ImageFindings& findings, double first_time,
                                        const std::string& blending_error, const std::string& calibration_error);
 

@@ -90,7 +90,7 @@ class Run {
   }
 
   void WarnOfMoves() {
-    for (const std::string& warning : recorder_.move_warnings()) Warn(warning);
+    for (const std::string& warning : recorder_.TakeMoveWarnings()) Warn(warning);
   }
 
   // Takes earlier results away and begins new ones.
@@ -132,9 +132,8 @@ class Run {
       recorder_.Finish();
     });
     progress_.Say("");
-    if (!finished) return;
     WarnOfMoves();
-    Keep(Durability::kPowerCut);
+    if (finished) Keep(Durability::kPowerCut);
   }
 
   // Writes the results, as far as there are any.

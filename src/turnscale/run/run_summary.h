@@ -31,10 +31,10 @@ std::string SkippedWarning(int frame, const std::string& problem);
 /// Warning where the odometry finds, at this frame, that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);
 
-/// When and how the camera has jumped on the car. Its time counts from `first_time`.
+/// When and how the camera has jumped on the car; the time of the jump counts from `first_time`, seconds.
 std::string CameraJumpText(const MountJump& jump, double first_time);
 
-/// Warning of a run where it has.
+/// Warning of `run` that the camera has jumped.
 std::string CameraJumpWarning(const MountJump& jump, double first_time);
 
 /// An image that could not be used.

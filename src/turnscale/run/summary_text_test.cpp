@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/run_summary.h"
 
@@ -175,6 +176,21 @@ TEST(SummaryText, TimesCountFromTheFirstFrame) {
   summary.first_time = 1774160045.0;
   EXPECT_TRUE(Says(summary, "at most +-5.0 % (at 12.4 s)\n"));
   EXPECT_TRUE(Says(summary, "tracking lost from 5.5 s to 7.0 s (15 frames)\n"));
+}
+
+TEST(SummaryText, KnocksOfTheCameraAreListedWithTheirTime) {
+  const auto knocks = [](const RunSummary& summary) {
+    return nlohmann::json::parse(SummaryJson(summary))["camera_rotation"]["knocks"];
+  };
+  RunSummary summary = InMetres(0.03);
+  EXPECT_EQ(knocks(summary), nlohmann::json::array());
+  summary.camera_jumps = {{.first_frame = 125, .time = 1774160057.5, .yaw = -2.04 / kDegreesPerRadian}};
+  EXPECT_EQ(knocks(summary)[0]["frame"], 125);
+  EXPECT_EQ(knocks(summary)[0]["time_s"], 1774160057.5);
+  EXPECT_NEAR(knocks(summary)[0]["yaw_deg"].get<double>(), -2.04, 1e-9);
+  EXPECT_TRUE(Says(summary, "turned by a knock once"));
+  EXPECT_EQ(CameraJumpText(summary.camera_jumps[0], 1774160045.0),
+            "frame 125 (at 12.5 s): the camera was turned on the car by 2.0 degrees to the left, as by a knock");
 }
 
 TEST(SummaryText, FramesWithoutAMeasuredPoseAreNamedByTheirState) {
