@@ -77,9 +77,10 @@ TEST(DoubleImages, NoiseReductionThatMixesImagesAgainAndAgain) {
 }
 
 TEST(DoubleImages, MeansOfTwoFramesAtHalfTheRate) {
-  constexpr int kBetweenImages = 32;
+  constexpr int kBetweenMoments = 16;
+  constexpr int kBetweenImages = 2 * kBetweenMoments;
   const auto mean = [](int i) {
-    return Mixed(WallAt(kBetweenImages * (i + 1)), WallAt(kBetweenImages * (i + 1) - kBetweenImages / 2), 0.5);
+    return Mixed(WallAt(kBetweenImages * (i + 1)), WallAt(kBetweenImages * (i + 1) - kBetweenMoments), 0.5);
   };
   const std::optional<FrameBlending> found = Found(mean, 60, kBetweenImages);
   ASSERT_TRUE(found);
