@@ -120,16 +120,19 @@ struct TurnColumns {
   Eigen::Matrix<double, Eigen::Dynamic, 3> explained;
   Eigen::VectorXd lateral;
   Eigen::VectorXd slip;
+  Eigen::VectorXd lag;
 };
 
 TurnColumns ColumnsOf(const std::vector<VehicleStep>& steps) {
   const auto n = static_cast<Eigen::Index>(steps.size());
-  TurnColumns columns{Eigen::Matrix<double, Eigen::Dynamic, 3>(n, 3), Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  TurnColumns columns{Eigen::Matrix<double, Eigen::Dynamic, 3>(n, 3), Eigen::VectorXd(n), Eigen::VectorXd(n),
+                      Eigen::VectorXd(n)};
   for (Eigen::Index i = 0; i < n; ++i) {
     const VehicleStep& step = steps[i];
     columns.explained.row(i) << step.swing(), step.roll, step.forward();
     columns.lateral[i] = step.lateral();
     columns.slip[i] = step.swing() * step.signed_square_speed();
+    columns.lag[i] = step.swing() * step.signed_speed();
   }
   return columns;
 }
@@ -145,12 +148,14 @@ PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit
     line.by_direction += fit.weight[i] * x * steps[i].forward();
     line.by_roll_height += fit.weight[i] * x * steps[i].roll;
     line.mean_square_speed += fit.weight[i] * x * x * steps[i].signed_square_speed();
+    line.mean_speed += fit.weight[i] * x * x * steps[i].signed_speed();
     line.angle += steps[i].motion.psi;
     if (fit.weight[i] >= kInlierWeight) ++line.inliers;
   }
   line.by_direction /= xx;
   line.by_roll_height /= xx;
   line.mean_square_speed /= xx;
+  line.mean_speed /= xx;
   line.lever_arm = fit.slope + roll_height * line.by_roll_height;
   return line;
 }
@@ -254,6 +259,7 @@ std::optional<DirectionInTurn> FitDirectionInTurn(std::span<const VehicleStep> a
     if (!(share > options.min_forward_share)) return std::nullopt;
     direction.angle = forward.dot(lateral) / square;
     direction.by_slip = forward.dot(unexplained(columns.slip)) / square;
+    direction.by_lag = forward.dot(unexplained(columns.lag)) / square;
     const Eigen::ArrayXd off = (lateral - direction.angle * forward).array();
     const double spread = std::max(off.matrix().norm() / std::sqrt(freedom), noise_floor);
     // The noise of psi moves x, and with it the part of the way that x does not explain, towards the mean direction of

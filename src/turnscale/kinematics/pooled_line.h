@@ -71,7 +71,8 @@ struct PooledLine {
   /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown. Steps in reverse count negative: there
   /// the slip of the tyres has the opposite sign relative to psi.
   double mean_square_speed = 0;
-  double angle = 0;  ///< sum of psi, rad
+  double mean_speed = 0;  ///< weighted likewise, units/s; steps in reverse count negative
+  double angle = 0;       ///< sum of psi, rad
   int steps = 0;
   int inliers = 0;  ///< inlier steps
 };
@@ -96,6 +97,7 @@ struct DirectionInTurn {
   double angle = 0;
   double sigma = 0;    ///< standard deviation of `angle`, from the scatter of the steps, rad
   double by_slip = 0;  ///< of a speed that changes in the turn, units/s^2
+  double by_lag = 0;   ///< likewise: the derivative of `angle` by a lag of the camera's orientation, rad/s
 };
 
 /// Fits it to the usable steps of a turn; its error is independent of that of the line. Empty where the turn does not

@@ -53,6 +53,8 @@ double VehicleStep::signed_square_speed() const {
   return std::copysign(speed() * speed() * square_speed_ratio, forward());
 }
 
+double VehicleStep::signed_speed() const { return std::copysign(speed() * std::sqrt(square_speed_ratio), forward()); }
+
 void VehicleStepOptions::Check() const {
   if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle_deg: has to be from 0 to below 28.6");
   if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");

@@ -61,6 +61,8 @@ struct VehicleStep {
   /// Square of the speed where the step turns, (units/s)^2: negative in reverse, where the slip of the tyres has the
   /// opposite sign relative to psi.
   double signed_square_speed() const;
+  /// The speed where the step turns, units/s: negative in reverse.
+  double signed_speed() const;
 };
 
 /// A loss of tracking on a path.

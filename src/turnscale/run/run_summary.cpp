@@ -270,6 +270,9 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*summary.car));
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
+  if (scale.estimate)
+    if (std::string warning = StabilisationWarning(*scale.estimate); !warning.empty())
+      warnings.push_back(std::move(warning));
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));

@@ -71,6 +71,14 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("max_prior_deviation", o.max_prior_deviation);
     visitor.Field("min_disagreement", o.min_disagreement);
   });
+  visitor.Group("stabilisation", [&] {
+    auto& o = options.estimator.stabilisation;
+    visitor.Field("max_lag_deviation", o.max_lag_deviation);
+    visitor.Field("min_scale_change", o.min_scale_change);
+    visitor.Field("lag_sigma", o.lag_sigma);
+    visitor.Field("min_smoothing", o.min_smoothing);
+    visitor.Field("max_smoothing_deviation", o.max_smoothing_deviation);
+  });
   visitor.Group("recovery", [&] {
     auto& o = options.recovery;
     visitor.Field("pixel_sigma", o.pixel_sigma);

@@ -21,6 +21,9 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm, cons
 /// One line: the side slip that the turns show, beside the one that was expected.
 std::string SlipWarning(const SlipConflict& conflict);
 
+/// One line: what image stabilisation does to the scale. Empty if the turns show none.
+std::string StabilisationWarning(const ScaleEstimate& estimate);
+
 /// One line: by how much the camera's yaw differs from the one that was given or estimated in turns, and what the user
 /// should do (`remedy`); or, if it does not differ, that turns and straights show different ones.
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy);

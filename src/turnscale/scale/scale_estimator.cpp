@@ -36,10 +36,12 @@ double BestSigma(const std::vector<ScaleBelief>& smoothed) {
   return std::ranges::min_element(smoothed, {}, &ScaleBelief::sigma)->sigma();
 }
 
-// The car's constants as given, by which single-turn scales are taken. A yaw that is hardly known is the drive's.
+// The car's constants as given, by which single-turn scales are taken. A yaw that is hardly known is the drive's, and
+// so is a lag.
 DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
   DriveState state = PriorBelief(car, 0).mean;
   if (car.yaw_sigma > options.max_given_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
+  if (car.lag_sigma > 0) state[kLag] = smoothed.segments.back().mean[kLag];
   return state;
 }
 
@@ -97,6 +99,11 @@ bool IsWithinSigma(const HeightConflict& conflict) {
   return std::abs(std::log(conflict.found / conflict.given)) < sigma;
 }
 
+CarPrior WithLag(CarPrior car, const ScaleEstimatorOptions& options) {
+  car.lag_sigma = options.stabilisation.lag_sigma;
+  return car;
+}
+
 // One of the two lengths is wrong: the scale is between those that they imply.
 void TakeConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   estimate.height_conflict = conflict;
@@ -131,6 +138,10 @@ void RefineTurns(const SmoothedDrive& drive, std::vector<TurnEstimate>& turns) {
 // Of c from its prior, in standard deviations of the prior.
 double SlipDeviation(const SmoothedDrive& drive, const CarPrior& car) {
   return car.side_slip_sigma > 0 ? (drive.side_slip() - car.side_slip) / car.side_slip_sigma : 0.0;
+}
+
+bool TurnsAgree(const SmoothedDrive& drive, const TurnTestOptions& options) {
+  return !ExceedsChance(drive.smoothed.chi_squared, drive.smoothed.degrees_of_freedom, options);
 }
 
 // The joint test of the single-turn scales, and that of the slip.
@@ -216,6 +227,33 @@ ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const Car
   return result;
 }
 
+// The lag of stabilised images. A given height plays no part in the test: one that disagrees with the lever arm would
+// look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of its own.
+std::optional<ImageLag> LagOf(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
+                              const ScaleEstimatorOptions& options) {
+  if (car.lag_sigma > 0 || !car.knows_lever_arm() || options.uses_single_turns) return std::nullopt;
+  const double most_slip = options.test.max_prior_deviation;
+  if (TurnsAgree(drive, options.test) && SlipDeviation(drive, car) > most_slip) return std::nullopt;
+  const CarPrior lagging = WithoutHeight(WithLag(car, options));
+  TurnSelection selection = SelectTurns(evidence.of_segments, lagging, drive.car.mean, options.evidence);
+  if (!StartingLogScale(selection, lagging)) return std::nullopt;
+  const ScaleProblem problem = ProblemOf(evidence, selection, options);
+  const SmoothedDrive with = SmoothDrive(problem, evidence.of_segments, lagging, options.huber, std::move(selection));
+  if (!TurnsAgree(with, options.test) || std::abs(SlipDeviation(with, car)) > most_slip) return std::nullopt;
+  return FindImageLag(drive, with, options.stabilisation);
+}
+
+// With a lag that the prior does not hold, as the drive shows one.
+ScaleEstimateResult EstimateWithLag(const ImageLag& lag, const DriveEvidence& evidence, const CarPrior& car,
+                                    const ScaleEstimatorOptions& options) {
+  ScaleEstimateResult result = EstimateFrom(evidence, WithLag(car, options), options);
+  if (result.estimate)
+    result.estimate->image_lag = lag;
+  else
+    result.reason = "the images seem to be stabilised; " + result.reason;
+  return result;
+}
+
 // No metres: the turns are left without a scale.
 ScaleEstimateResult WithoutEstimate(std::string reason, std::vector<TurnEstimate> turns) {
   ScaleEstimateResult result;
@@ -297,6 +335,13 @@ void AllowForInconsistency(const ScaleEstimatorOptions& options, ScaleEstimate& 
   if (estimate.slip_conflict && !estimate.uses_single_turns) Widen(estimate.test.disagreement, estimate);
 }
 
+// Sigma covers what the smoothing of stabilised images does to the scale.
+void CoverSmoothing(std::span<const VehicleStep> steps, const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
+  if (options.uses_single_turns) return;
+  estimate.image_smoothing = FindImageSmoothing(steps, estimate.segments, estimate.smoothed, options.stabilisation);
+  if (estimate.image_smoothing) Widen(estimate.image_smoothing->scale_error, estimate);
+}
+
 ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
                                  const ScaleEstimatorOptions& options) {
   const DriveState start = StartingState(car, evidence.of_turns);
@@ -308,6 +353,7 @@ ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& 
   }
   const SmoothedDrive drive = SmoothDrive(problem, evidence.of_segments, car, options.huber, std::move(selection));
   if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(evidence, car, options);
+  if (const auto lag = LagOf(drive, evidence, car, options)) return EstimateWithLag(*lag, evidence, car, options);
   ScaleEstimate estimate = EstimateOf(drive, car, options);
   const double best = BestSigma(estimate.smoothed);
   if (!(best <= options.max_sigma)) return TooUncertain(best, std::move(estimate.turns), evidence, car, options);
@@ -334,6 +380,7 @@ void ScaleEstimatorOptions::Check() const {
   evidence.Check();
   CheckPart("drift.", drift);
   CheckPart("test.", test);
+  CheckPart("stabilisation.", stabilisation);
   if (!(max_sigma_ratio >= 1)) throw InputError("max_sigma_ratio: has to be at least 1");
   if (!(huber > 0)) throw InputError("huber: has to be positive");
   if (!(max_height_deviation > 0)) throw InputError("max_height_deviation: has to be positive");
@@ -348,7 +395,9 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
                                   const ScaleEstimatorOptions& options) {
   car.Check();
   options.Check();
-  return EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
+  ScaleEstimateResult result = EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
+  if (result.estimate) CoverSmoothing(steps, options, *result.estimate);
+  return result;
 }
 
 }  // namespace turnscale

@@ -7,6 +7,7 @@
 
 #include "turnscale/geometry/angle.h"
 #include "turnscale/scale/car_conflicts.h"
+#include "turnscale/scale/image_stabilisation.h"
 #include "turnscale/scale/scale_evidence.h"
 #include "turnscale/scale/scale_filter.h"
 #include "turnscale/scale/turn_estimate.h"
@@ -19,6 +20,7 @@ struct ScaleEstimatorOptions {
   EvidenceOptions evidence;
   DriftOptions drift;
   TurnTestOptions test;
+  StabilisationOptions stabilisation;
   /// A measurement with a residual of more than this many sigmas is down-weighted (Huber).
   double huber = 1.5;
   /// There is no estimate if the smallest relative sigma of the scale exceeds this. Nor does a height with a larger one
@@ -88,6 +90,9 @@ struct ScaleEstimate {
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
   std::optional<SlipConflict> slip_conflict;
+  /// The images are stabilised: the estimate allows for the lag, and sigma covers what smoothing does to the scale.
+  std::optional<ImageLag> image_lag;
+  std::optional<ImageSmoothing> image_smoothing;
   std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
@@ -99,7 +104,8 @@ struct ScaleEstimate {
 
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
   bool has_reliable_car() const {
-    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !is_doubtful;
+    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !image_lag && !image_smoothing &&
+           !is_doubtful;
   }
 };
 
@@ -120,6 +126,7 @@ struct ScaleEstimateResult {
 ///   start      the usable turns, and a first value of the scale from them, or from a given height
 ///   smooth     the estimate, with robust weights (SmoothDrive)
 ///   yaw        where the drive contradicts the prior of the yaw, all is estimated again with a free one
+///   lag        where the turns show that the images are stabilised with a lag, all is estimated again with one
 ///   certainty  no estimate where even the smallest sigma exceeds max_sigma
 ///   test       the single-turn scales jointly against the estimate (TurnTest); sigma covers their scatter
 ///   height     a given height that is in conflict with the turns widens sigma, or is left out if the turns contradict

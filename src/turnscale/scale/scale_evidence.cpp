@@ -31,6 +31,12 @@ LeverArm LeverArmOf(const DriveState& state) {
   return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), state[kRollHeight]};
 }
 
+// The turn as it would be without a lag of the camera's orientation.
+PooledLine WithoutLag(PooledLine turn, const DriveState& state) {
+  turn.lever_arm -= state[kLag] * turn.mean_speed;
+  return turn;
+}
+
 double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   std::vector<std::pair<double, double>> lever_arms;
   for (const SegmentEvidence& segment : evidence)
@@ -71,6 +77,7 @@ void CarPrior::Check() const {
       "car.height_correlation, car.height_slip_correlation, car.lever_arm_slip_correlation: errors cannot correlate "
       "like this");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
+  require(lag_sigma >= 0 && lag_sigma < 10, "car.lag_sigma: has to be from 0 to below 10 s");
   require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
   require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");
 }
@@ -136,9 +143,11 @@ std::optional<StraightDirection> DirectionOnStraight(std::span<const VehicleStep
     weights += weight * points[i].x;
     straight.bend += weight * used[i].swing();
     straight.bend_square_speed += weight * used[i].swing() * used[i].signed_square_speed();
+    straight.bend_speed += weight * used[i].swing() * used[i].signed_speed();
   }
   straight.bend /= weights;
   straight.bend_square_speed /= weights;
+  straight.bend_speed /= weights;
   straight.sigma = std::hypot(line.sigma, options.bend_sigma * lever_arm * straight.bend);
   const bool is_known = std::isfinite(straight.angle) && std::isfinite(straight.sigma);
   return is_known ? std::optional(straight) : std::nullopt;
@@ -211,10 +220,12 @@ Measurement LinearizeTurn(const PooledLine& turn, const DriveState& state, const
   const double roll = state[kRollHeight] * turn.by_roll_height / scale;
   const double slip = state[kSlip] * scale * turn.mean_square_speed;
   Measurement measurement;
-  measurement.innovation = turn.lever_arm - (lever_arm + roll - slip + state[kDirection] * turn.by_direction);
+  measurement.innovation = turn.lever_arm - (lever_arm + roll - slip + state[kLag] * turn.mean_speed +
+                                             state[kDirection] * turn.by_direction);
   measurement.by_state[kLogScale] = -lever_arm - roll - slip;
   measurement.by_state[kDirection] = turn.by_direction;
   measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
+  measurement.by_state[kLag] = turn.mean_speed;
   measurement.by_state[kLogLeverArm] = lever_arm;
   measurement.by_state[kRollHeight] = turn.by_roll_height / scale;
   measurement.variance = Square(turn.sigma) + Square(options.turn_sigma * lever_arm) +
@@ -227,10 +238,11 @@ Measurement LinearizeDirectionInTurn(const DirectionInTurn& turn, const DriveSta
   const double scale = std::exp(state[kLogScale]);
   const double slip = state[kSlip] * scale * turn.by_slip;
   Measurement measurement;
-  measurement.innovation = turn.angle - (state[kDirection] - slip);
+  measurement.innovation = turn.angle - (state[kDirection] - slip + state[kLag] * turn.by_lag);
   measurement.by_state[kDirection] = 1;
   measurement.by_state[kLogScale] = -slip;
   measurement.by_state[kSlip] = -scale * turn.by_slip;
+  measurement.by_state[kLag] = turn.by_lag;
   measurement.variance =
       Square(turn.sigma) + Square(options.direction_in_turn_sigma) + Square(options.slip_sigma * slip);
   return measurement;
@@ -242,7 +254,7 @@ Measurement LinearizeStraight(const StraightDirection& straight, const DriveStat
   const double swing = straight.bend * (std::exp(state[kLogLeverArm]) / scale - straight.bend_lever_arm);
   const double slip = state[kSlip] * scale * straight.bend_square_speed;
   Measurement measurement;
-  measurement.innovation = straight.angle - (state[kDirection] + swing - slip);
+  measurement.innovation = straight.angle - (state[kDirection] + swing - slip + state[kLag] * straight.bend_speed);
   measurement.by_state[kDirection] = 1;
   measurement.variance =
       Square(straight.sigma) + Square(options.straight_direction_sigma) + Square(options.bend_sigma * slip);
@@ -262,22 +274,21 @@ std::vector<SegmentMeasurement> MeasurementsOf(const SegmentEvidence& evidence, 
 }
 
 bool SwingsInward(const PooledLine& turn, const DriveState& state) {
-  return turn.lever_arm < state[kDirection] * turn.by_direction;
+  return WithoutLag(turn, state).lever_arm < state[kDirection] * turn.by_direction;
 }
 
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
   if (SwingsInward(turn, state))
     return "the camera swings to the inside of the turn: too fast, or not ahead of the rear axle";
-  const LeverArm lever_arm = LeverArmOf(state);
-  const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
+  const double scale = OwnScale(turn, state);
   if (!std::isfinite(scale)) return "the camera does not move outwards as the lever arm requires";
-  if (LeverArmRatio(turn, lever_arm, scale) < options.min_lever_arm_ratio)
+  if (LeverArmRatio(turn, LeverArmOf(state), scale) < options.min_lever_arm_ratio)
     return "too fast: side slip leaves too little of the lever arm";
   return {};
 }
 
 double OwnScale(const PooledLine& turn, const DriveState& state) {
-  return MetresPerUnit(turn, LeverArmOf(state), state[kDirection]);
+  return MetresPerUnit(WithoutLag(turn, state), LeverArmOf(state), state[kDirection]);
 }
 
 }  // namespace turnscale

@@ -53,6 +53,7 @@ struct CarPrior {
   double side_slip = kUsualSideSlip;                 ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;      ///< 0 where c is known exactly
   double yaw_sigma = kEstimatedYawSigma;             ///< of the yaw error of Q, rad
+  double lag_sigma = 0;                              ///< of the lag of the camera's orientation, s; 0: there is none
   double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
   double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
   /// H: height of the camera above the road, metres. 0: not known; estimated in turns.
@@ -76,9 +77,12 @@ struct CarPrior {
 
 /// Indices of the unknowns of a drive. Only the log-scale and the road's error change along the drive.
 enum DriveUnknown {
-  kLogScale,     ///< ln(lambda), metres per odometry unit
-  kDirection,    ///< direction of travel on straights according to Q, rad, positive to the right: minus Q's yaw error
-  kSlip,         ///< c, s^2/m
+  kLogScale,   ///< ln(lambda), metres per odometry unit
+  kDirection,  ///< direction of travel on straights according to Q, rad, positive to the right: minus Q's yaw error
+  kSlip,       ///< c, s^2/m
+  /// Time by which the orientation of the images lags behind the car's, s: of image stabilisation. Negative where it
+  /// looks ahead.
+  kLag,
   kLogLeverArm,  ///< ln(L), L in metres
   kRollHeight,   ///< h, metres
   kLogHeight,    ///< ln(H), H in metres
@@ -143,6 +147,7 @@ struct StraightDirection {
   double sigma = 0;              ///< standard deviation of `angle`, rad
   double bend = 0;               ///< of the straight's bends: d angle / d lever arm, rad per odometry unit
   double bend_square_speed = 0;  ///< `bend` times the square of the speed there, rad units/s^2
+  double bend_speed = 0;         ///< `bend` times the speed there, rad/s
   double bend_lever_arm = 0;     ///< with which the bends have been taken out, odometry units
 };
 
@@ -183,15 +188,15 @@ struct Measurement {
 };
 
 /// The effective lever arm of a turn at a state:
-///   (L + h by_roll_height) / lambda - c lambda mean_square_speed + direction by_direction.
+///   (L + h by_roll_height) / lambda - c lambda mean_square_speed + lag mean_speed + direction by_direction.
 Measurement LinearizeTurn(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
 
-/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state.
+/// The direction of travel that a turn shows by itself, direction - c lambda by_slip + lag by_lag, at a state.
 Measurement LinearizeDirectionInTurn(const DirectionInTurn& turn, const DriveState& state,
                                      const EvidenceOptions& options);
 
 /// The direction of travel on a straight at a state:
-///   direction + bend (L / lambda - bend_lever_arm) - c lambda bend_square_speed,
+///   direction + bend (L / lambda - bend_lever_arm) - c lambda bend_square_speed + lag bend_speed,
 /// of which by_state has the derivative by the direction only: bank and crown change the slip in bends, from which a
 /// straight shall not refine c or lambda.
 Measurement LinearizeStraight(const StraightDirection& straight, const DriveState& state,

@@ -16,7 +16,7 @@ constexpr double kHeight = 1.5;  // metres
 
 DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car) {
   DriveState state;
-  state << std::log(metres_per_unit), direction, car.side_slip, std::log(car.length), car.roll_height,
+  state << std::log(metres_per_unit), direction, car.side_slip, 0, std::log(car.length), car.roll_height,
       std::log(kHeight), 0;
   return state;
 }
@@ -26,13 +26,16 @@ PooledLine RandomTurn(Random& random) {
           .sigma = random.Uniform(0.0001, 0.002),
           .by_direction = random.Uniform(-2, 2),
           .by_roll_height = random.Uniform(-0.1, 0.1),
-          .mean_square_speed = random.Uniform(0, 1)};
+          .mean_square_speed = random.Uniform(0, 1),
+          .mean_speed = random.Uniform(0, 1)};
 }
 
 DriveState RandomState(Random& random) {
   const LeverArm car = {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01), random.Uniform(0, 2)};
   const double direction = random.Uniform(-0.02, 0.02);
-  return StateOf(std::exp(random.Uniform(1, 3)), direction, car);
+  DriveState state = StateOf(std::exp(random.Uniform(1, 3)), direction, car);
+  state[kLag] = random.Uniform(-0.05, 0.05);
+  return state;
 }
 
 std::vector<VehicleStep> Corner(const LeverArm& car, double direction, double side = 1) {
@@ -70,7 +73,7 @@ TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
     const DriveState at = RandomState(random);
     const PooledLine turn = RandomTurn(random);
     ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeTurn(turn, state, {}); });
-    const DirectionInTurn in_turn{random.Uniform(-0.02, 0.02), 0.003, random.Uniform(-2, 2)};
+    const DirectionInTurn in_turn{random.Uniform(-0.02, 0.02), 0.003, random.Uniform(-2, 2), random.Uniform(-2, 2)};
     ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeDirectionInTurn(in_turn, state, {}); });
     const StraightDirection straight{.angle = random.Uniform(-0.1, 0.1), .sigma = 0.01};
     ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeStraight(straight, state, {}); });
@@ -116,6 +119,25 @@ TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
       }
     }
   }
+}
+
+TEST(ScaleEvidence, MeasuresALagWhereverTheCarTurns) {
+  constexpr double kSeconds = 0.1;
+  const DriveErrors lagging{.lag = kSeconds};
+  DriveState truth = StateOf(kUnit, 0, kCar);
+  truth[kLag] = kSeconds;
+  std::vector<StretchOfRoad> turn;  // faster where the curvature is less
+  for (const double share : {0.3, 0.6, 1.0, 0.6, 0.3}) turn.push_back({5, share * 4 * kDegree, 0.5, 7 - 3 * share});
+  for (const double side : {1.0, -1.0}) {
+    for (StretchOfRoad& stretch : turn) stretch.psi *= side;
+    const SegmentEvidence evidence = EvidenceOfTurn(MakeSteps(turn, kCar, 0, kUnit, lagging).steps, {});
+    ASSERT_TRUE(evidence.turn && evidence.direction_in_turn) << evidence.why_no_turn;
+    EXPECT_NEAR(OwnScale(*evidence.turn, truth) / kUnit, 1, 2e-3);
+    EXPECT_LT(OwnScale(*evidence.turn, StateOf(kUnit, 0, kCar)) / kUnit, 0.85);
+    EXPECT_NEAR(LinearizeDirectionInTurn(*evidence.direction_in_turn, truth, {}).innovation, 0, 1e-3);
+  }
+  const StraightDirection bend = StraightBetweenTurns({{30, 0.8 * kDegree, 5, 9}}, 0, lagging).value();
+  EXPECT_NEAR(LinearizeStraight(bend, truth, {}).innovation, 0, 1e-4);
 }
 
 TEST(ScaleEvidence, ATurnShowsTheDirectionOfTravelByItself) {
@@ -335,6 +357,7 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
   EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
   EXPECT_EQ(refused([](auto& c) { c.yaw_sigma = 0; }), "car.yaw_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.lag_sigma = -1; }), "car.lag_sigma");
   EXPECT_EQ(refused([](auto& c) { c.roll_height = -1; }), "car.roll_height");
   EXPECT_EQ(refused([](auto& c) { c.roll_height_sigma = 10; }), "car.roll_height_sigma");
   EXPECT_EQ(refused([](auto& c) { c.camera_height = -1; }), "car.camera_height");

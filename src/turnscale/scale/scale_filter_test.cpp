@@ -21,8 +21,8 @@ constexpr double kExact = 1e-9;  // standard deviation of what is known exactly
 ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
   Random random(seed);
   ScaleProblem problem;
-  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2), 1.1, std::log(1.5), 0;
-  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3, 0.1, 2e-2, 1;
+  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, 0, std::log(1.2), 1.1, std::log(1.5), 0;
+  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3, 1e-3, 0.1, 2e-2, 1;
   double middle = 0;
   for (int i = 0; i < segments; ++i) {
     const double length = random.Uniform(0.5, 8);
@@ -38,11 +38,13 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
           .sigma = random.Uniform(2e-4, 2e-3),
           .by_direction = random.Uniform(-1, 1),
           .by_roll_height = random.Uniform(-0.02, 0.02),
-          .mean_square_speed = speed * speed};
+          .mean_square_speed = speed * speed,
+          .mean_speed = speed};
       if (i % 2 == 0)
         evidence.direction_in_turn = DirectionInTurn{.angle = 0.003 * random.Gaussian(),
                                                      .sigma = random.Uniform(0.002, 0.01),
-                                                     .by_slip = random.Uniform(-0.2, 0.2)};
+                                                     .by_slip = random.Uniform(-0.2, 0.2),
+                                                     .by_lag = random.Uniform(-0.2, 0.2)};
     } else {
       evidence.straight = StraightDirection{.angle = 0.01 * random.Gaussian(), .sigma = 0.002};
     }
@@ -63,7 +65,8 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
 std::vector<DriveState> SomeStates(const ScaleProblem& problem) {
   std::vector<DriveState> at(problem.segments.size(), problem.prior.mean);
   Random random(9);
-  for (DriveState& state : at) state += DriveState{{0.05, 0.001, 0.0005, 0.01, 0.1, 0.02, 0.3}} * random.Gaussian();
+  for (DriveState& state : at)
+    state += DriveState{{0.05, 0.001, 0.0005, 0.01, 0.01, 0.1, 0.02, 0.3}} * random.Gaussian();
   return at;
 }
 
@@ -75,9 +78,8 @@ Eigen::Index Column(Eigen::Index segments, Eigen::Index segment, int unknown) {
   return unknown == kRoadError ? segments + kConstants + segment : segments + unknown - 1;
 }
 
-// The same linear problem as one weighted least squares: a log-scale for each segment, then direction, slip,
-// ln(lever arm), height above the roll axis and ln(height), then the road's error in each segment; those of `exact`
-// taken out.
+// The same linear problem as one weighted least squares: a log-scale for each segment, then the car's constants in the
+// order of DriveUnknown, then the road's error in each segment; those of `exact` taken out.
 struct Dense {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;

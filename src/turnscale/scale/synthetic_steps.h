@@ -33,6 +33,7 @@ struct DriveErrors {
   double straight_direction = 0;  ///< rad, one for each that does not
   double per_100m = 0;            ///< of the log-scale's random walk
   double per_90deg = 0;
+  double lag = 0;  ///< by which the orientation of the images lags behind the car's, s; no standard deviation
 };
 
 /// The car and the odometry of most tests: its lever arm, the metres of its unit, and its noise.
@@ -61,7 +62,8 @@ inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const Le
     const double slip = 1 + errors.slip * random.Gaussian();
     const bool turns = std::abs(stretch.psi) >= kTurning;
     const double off = direction + (turns ? errors.turn_direction : errors.straight_direction) * random.Gaussian();
-    const double effective = lever_arm.length * swing - lever_arm.side_slip * slip * stretch.speed * stretch.speed;
+    const double effective = lever_arm.length * swing - lever_arm.side_slip * slip * stretch.speed * stretch.speed +
+                             errors.lag * stretch.speed;
     for (int i = 0; i < stretch.steps; ++i) {
       const double angle = off + errors.direction * random.Gaussian();
       const double roll = stretch.roll * stretch.psi;

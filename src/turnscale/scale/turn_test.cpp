@@ -32,6 +32,14 @@ void TurnTestOptions::Check() const {
   if (!(min_disagreement >= 0)) throw InputError("min_disagreement: must not be negative");
 }
 
+double InflationOf(double chi_squared, int degrees_of_freedom) {
+  return degrees_of_freedom > 0 ? std::max(1.0, std::sqrt(chi_squared / degrees_of_freedom)) : 1;
+}
+
+bool ExceedsChance(double chi_squared, int degrees_of_freedom, const TurnTestOptions& options) {
+  return degrees_of_freedom > 0 && chi_squared > ChiSquaredLimit(options.min_probability, degrees_of_freedom);
+}
+
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
   TurnTest test;
   test.chi_squared = input.chi_squared;
@@ -46,11 +54,9 @@ TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
     test.worst_turn = static_cast<int>(i);
   }
   if (weights > 0) test.disagreement /= weights;
-  if (test.degrees_of_freedom > 0) {
-    test.inflation = std::max(1.0, std::sqrt(test.chi_squared / test.degrees_of_freedom));
-    test.contradicted = test.chi_squared > ChiSquaredLimit(options.min_probability, test.degrees_of_freedom);
-  }
-  test.contradicted = (test.contradicted || std::abs(input.slip_deviation) > options.max_prior_deviation) &&
+  test.inflation = InflationOf(test.chi_squared, test.degrees_of_freedom);
+  const bool scatter = ExceedsChance(test.chi_squared, test.degrees_of_freedom, options);
+  test.contradicted = (scatter || std::abs(input.slip_deviation) > options.max_prior_deviation) &&
                       test.disagreement > options.min_disagreement;
   return test;
 }

@@ -39,6 +39,12 @@ struct TurnTest {
   double inflation = 1;
 };
 
+/// TurnTest::inflation.
+double InflationOf(double chi_squared, int degrees_of_freedom);
+
+/// Whether chi-squared is more than chance explains.
+bool ExceedsChance(double chi_squared, int degrees_of_freedom, const TurnTestOptions& options);
+
 /// Tests the turns against the estimate.
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options);
 

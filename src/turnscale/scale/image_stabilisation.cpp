@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/image_stabilisation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
+#include "turnscale/base/square.h"
+#include "turnscale/scale/turn_test.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kReweightings = 20;
+constexpr double kHuber = 1.5;  // robust standard deviations
+// Fewer show nothing.
+constexpr std::size_t kFewestSteps = 8;
+
+// A step whose lateral displacement may show smoothing.
+struct SmoothedStep {
+  double by_variance = 0;   // derivative of the lateral displacement by V, odometry units per s^2
+  double residual = 0;      // of the lateral displacement, odometry units
+  double rate = 0;          // yaw rate, rad/s
+  double acceleration = 0;  // yaw acceleration, rad/s^2
+  double duration = 0;      // s
+};
+
+double YawRate(const VehicleStep& step) { return step.motion.psi / step.duration; }
+
+// What the model of the car leaves of the lateral displacement of a step.
+double LateralResidual(const VehicleStep& step, const DriveState& state) {
+  const double scale = std::exp(state[kLogScale]);
+  const double lever_arm = std::exp(state[kLogLeverArm]) / scale - state[kSlip] * scale * step.signed_square_speed() +
+                           state[kLag] * step.signed_speed();
+  return step.lateral() - lever_arm * step.swing() - state[kRollHeight] / scale * step.roll -
+         state[kDirection] * step.forward();
+}
+
+std::vector<SmoothedStep> SmoothedSteps(std::span<const VehicleStep> steps, const std::vector<PathSegment>& segments,
+                                        const std::vector<ScaleBelief>& states) {
+  const auto is_timed = [](const VehicleStep& step) { return step.shows_kinematics() && step.duration > 0; };
+  std::vector<SmoothedStep> smoothed;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const int last = std::min(segments[k].last, static_cast<int>(steps.size()) - 2);
+    for (int i = std::max(segments[k].first, 1); i <= last; ++i) {
+      const VehicleStep& before = steps[i - 1];
+      const VehicleStep& step = steps[i];
+      const VehicleStep& after = steps[i + 1];
+      if (!is_timed(before) || !is_timed(step) || !is_timed(after)) continue;
+      const double seconds = 0.5 * before.duration + step.duration + 0.5 * after.duration;
+      const double acceleration = (YawRate(after) - YawRate(before)) / seconds;
+      smoothed.push_back({.by_variance = -0.5 * step.forward() * acceleration,
+                          .residual = LateralResidual(step, states[k].mean),
+                          .rate = YawRate(step),
+                          .acceleration = acceleration,
+                          .duration = step.duration});
+    }
+  }
+  return smoothed;
+}
+
+double ScaleError(double variance, const std::vector<SmoothedStep>& steps) {
+  double accelerations = 0;
+  double rates = 0;
+  for (const SmoothedStep& step : steps) {
+    accelerations += Square(step.acceleration) * step.duration;
+    rates += Square(step.rate) * step.duration;
+  }
+  return rates > 0 ? 0.5 * variance * accelerations / rates : 0;
+}
+
+}  // namespace
+
+void StabilisationOptions::Check() const {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
+  };
+  require(max_lag_deviation > 0, "max_lag_deviation: has to be positive");
+  require(min_scale_change >= 0, "min_scale_change: must not be negative");
+  require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
+  require(min_smoothing > 0, "min_smoothing: has to be positive");
+  require(max_smoothing_deviation > 0, "max_smoothing_deviation: has to be positive");
+}
+
+std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const SmoothedDrive& with,
+                                     const StabilisationOptions& options) {
+  if (!with.converged) return std::nullopt;
+  const double inflation = InflationOf(with.smoothed.chi_squared, with.smoothed.degrees_of_freedom);
+  const ImageLag lag{with.car.mean[kLag], inflation * with.car.Sigma(kLag)};
+  if (!(std::abs(lag.found) > options.max_lag_deviation * lag.found_sigma)) return std::nullopt;
+  const double change =
+      with.smoothed.segments.back().mean[kLogScale] - without.smoothed.segments.back().mean[kLogScale];
+  return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;
+}
+
+std::optional<ImageSmoothing> FindImageSmoothing(std::span<const VehicleStep> all_steps,
+                                                 const std::vector<PathSegment>& segments,
+                                                 const std::vector<ScaleBelief>& states,
+                                                 const StabilisationOptions& options) {
+  const std::vector<SmoothedStep> steps = SmoothedSteps(all_steps, segments, states);
+  if (steps.size() < kFewestSteps) return std::nullopt;
+  ImageSmoothing smoothing;
+  std::vector<double> weights(steps.size(), 1.0);
+  for (int round = 0; round < kReweightings; ++round) {
+    double information = 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      information += weights[i] * Square(steps[i].by_variance);
+      sum += weights[i] * steps[i].by_variance * steps[i].residual;
+    }
+    if (!(information > 0)) return std::nullopt;
+    smoothing.variance = sum / information;
+    std::vector<double> off;
+    for (const SmoothedStep& step : steps) off.push_back(step.residual - smoothing.variance * step.by_variance);
+    const double spread = RobustSigma(off);
+    smoothing.variance_sigma = spread / std::sqrt(information);
+    for (std::size_t i = 0; i < steps.size(); ++i) weights[i] = HuberWeight(off[i], kHuber * spread);
+  }
+  const double least =
+      std::max(Square(options.min_smoothing), options.max_smoothing_deviation * smoothing.variance_sigma);
+  if (!(smoothing.variance > least)) return std::nullopt;
+  smoothing.scale_error = ScaleError(smoothing.variance, steps);
+  return smoothing;
+}
+
+}  // namespace turnscale
