@@ -204,6 +204,8 @@ void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale&
   }
   if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
   summary.turn_test = estimate.test;
+  summary.image_lag = estimate.image_lag;
+  summary.image_smoothing = estimate.image_smoothing;
   summary.height_conflict = estimate.height_conflict;
   if (estimate.yaw_conflict) {
     const YawPitchRoll used =

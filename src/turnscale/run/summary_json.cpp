@@ -81,6 +81,18 @@ nlohmann::ordered_json MountJson(const RunSummary& summary) {
   return json;
 }
 
+nlohmann::ordered_json StabilisationJson(const RunSummary& summary) {
+  if (!summary.image_lag && !summary.image_smoothing) return nullptr;
+  nlohmann::ordered_json json;
+  if (const std::optional<ImageLag>& lag = summary.image_lag) {
+    json["lag_s"] = lag->found;
+    json["lag_sigma_s"] = lag->found_sigma;
+  }
+  if (const std::optional<ImageSmoothing>& smoothing = summary.image_smoothing)
+    json["smoothing_s"] = std::sqrt(smoothing->variance);
+  return json;
+}
+
 const char* IntrinsicsSource(const RunSummary& summary) {
   if (!summary.found_camera) return summary.camera.empty() ? "assumed" : "given";
   return summary.camera.empty() ? "estimated" : "refined";
@@ -175,6 +187,7 @@ std::string SummaryJson(const RunSummary& summary) {
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
       {"camera_rotation", MountJson(summary)},
+      {"image_stabilisation", StabilisationJson(summary)},
       {"by_all_turns", CarJson(summary.car)},
       {"car_evidence", EvidenceJson(summary.car_evidence)},
       {"complete", summary.stopped.empty()},

@@ -347,5 +347,15 @@ TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
   EXPECT_TRUE(warnings(ScaleMethod::kTurns).empty());
 }
 
+TEST(SummaryJson, HasTheStabilisationOfTheImages) {
+  RunSummary summary;
+  const auto stabilisation = [&] { return nlohmann::json::parse(SummaryJson(summary))["image_stabilisation"]; };
+  EXPECT_TRUE(stabilisation().is_null());
+  summary.image_smoothing = ImageSmoothing{.variance = 0.25};
+  EXPECT_EQ(stabilisation(), (nlohmann::json{{"smoothing_s", 0.5}}));
+  summary.image_lag = ImageLag{.found = -0.125, .found_sigma = 0.03125};
+  EXPECT_EQ(stabilisation(), (nlohmann::json{{"lag_s", -0.125}, {"lag_sigma_s", 0.03125}, {"smoothing_s", 0.5}}));
+}
+
 }  // namespace
 }  // namespace turnscale

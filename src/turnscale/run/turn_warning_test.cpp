@@ -61,6 +61,21 @@ TEST(YawWarning, SaysToWhichSide) {
             "sigma is 0.3 deg; the trajectory uses the yaw from the drive: look");
 }
 
+TEST(StabilisationWarning, SaysHowTheImagesMove) {
+  ScaleEstimate estimate;
+  EXPECT_EQ(StabilisationWarning(estimate), "");
+  estimate.image_smoothing = ImageSmoothing{.variance = 0.25, .variance_sigma = 0.02, .scale_error = 0.08};
+  EXPECT_EQ(StabilisationWarning(estimate),
+            "the images seem to be stabilised, as they begin to turn before the car does, and end after it; the scale "
+            "may be off by 8 % or more: record without image stabilisation");
+  estimate.image_lag = ImageLag{.found = 0.15, .found_sigma = 0.03};
+  EXPECT_EQ(StabilisationWarning(estimate),
+            "the images seem to be stabilised, as in turns their orientation lags behind the car's by 0.15 +-0.03 s; the "
+            "scale allows for this, and is less certain: record without image stabilisation");
+  estimate.image_lag->found = -0.1;
+  EXPECT_NE(StabilisationWarning(estimate).find("is ahead of the car's by 0.10"), std::string::npos);
+}
+
 TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {
   ScaleEstimate estimate = Fallback();
   estimate.converged = false;

@@ -119,9 +119,9 @@ struct ScaleEstimateResult {
 
 /// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective
 /// lever arm in units. Where the steps show the height above the road, each segment has another one. Unknowns are the
-/// log-scale, a random walk, five constants with physical priors (the yaw error of Q, the side slip c, the lever arm,
-/// the heights of the camera above the roll axis and above the road), and the correlated error of the road. Time is
-/// linear in the number of steps. In order:
+/// log-scale, a random walk, six constants with physical priors (the yaw error of Q, the side slip c, the lag of the
+/// images, the lever arm, the heights of the camera above the roll axis and above the road), and the correlated error
+/// of the road. Time is linear in the number of steps. In order:
 ///   evidence   what each segment of the drive measures (GatherEvidence)
 ///   start      the usable turns, and a first value of the scale from them, or from a given height
 ///   smooth     the estimate, with robust weights (SmoothDrive)
