@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -332,9 +333,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
     progress.Warn(warning);
   const std::vector<MountJump> jumps = odometry.mount().jumps();
-  for (const MountJump& jump : jumps)
-    progress.Warn(CameraJumpText(jump, images.source.first_time()) +
-                  "; the rotation is that after it, for other drives than this one");
+  for (std::size_t i = 0; i < jumps.size(); ++i) {
+    const bool last = i + 1 == jumps.size();
+    progress.Warn(CameraJumpText(jumps[i], images.source.first_time()) +
+                  (last ? "; the rotation is that after it, for other drives than this one" : ""));
+  }
   if (!jumps.empty()) TurnToLast(odometry.mount(), frames);
   motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches(frames);

@@ -84,34 +84,24 @@ void DriveRecorder::Keep(const FrameResult& result) {
   tracks_ = tracks_ || result.world_from_camera;
   if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
     live_metric_from_ = result.time;
-  FollowMount(result.frame);
-}
-
-void DriveRecorder::FollowMount(int frame) {
-  const MountCalibration& mount = odometry_.mount();
-  RecordRotation(frame, last_time_, mount.current(), rotations_);
-  if (mount.moves() > moves_) move_warnings_.push_back(CameraMovedWarning(frame));
-  const std::vector<MountJump> jumps = mount.jumps();
-  for (; jumps_ < jumps.size(); ++jumps_) move_warnings_.push_back(CameraJumpWarning(jumps[jumps_], first_time_));
-  moves_ = mount.moves();
+  RecordRotation(result.frame, last_time_, odometry_.mount().current(), rotations_);
 }
 
 void DriveRecorder::Finish() {
-  // The turns of the end may have told more of it, and a jump is confirmed by the frames after it, be it that the final
-  // adjustment fails.
-  const auto follow = [this] {
-    if (frames_ > 0) FollowMount(frames_ - 1);
-  };
-  try {
-    odometry_.Finish();
-  } catch (...) {
-    follow();
-    throw;
-  }
-  follow();
+  odometry_.Finish();
+  // The turns of the end may have told more of the rotation.
+  if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
 }
 
-std::vector<std::string> DriveRecorder::TakeMoveWarnings() { return std::exchange(move_warnings_, {}); }
+std::vector<std::string> DriveRecorder::TakeMoveWarnings() {
+  const MountCalibration& mount = odometry_.mount();
+  std::vector<std::string> warnings;
+  if (mount.moves() > moves_) warnings.push_back(CameraMovedWarning(frames_ - 1));
+  moves_ = mount.moves();
+  const std::vector<MountJump> jumps = mount.jumps();
+  for (; jumps_ < jumps.size(); ++jumps_) warnings.push_back(CameraJumpWarning(jumps[jumps_], first_time_));
+  return warnings;
+}
 
 RefinedResults DriveRecorder::Refined() const {
   RefinedScale scale = odometry_.Refined();

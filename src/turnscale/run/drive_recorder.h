@@ -74,8 +74,6 @@ class DriveRecorder {
   };
 
   void Keep(const FrameResult& result);
-  // The rotation of the camera after this frame, and what has moved it.
-  void FollowMount(int frame);
   // Points of the scene that this image and the one before show.
   std::vector<MovedPoint> MovedPoints(const FrameResult& result);
 
@@ -86,8 +84,8 @@ class DriveRecorder {
   double first_time_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;
-  std::vector<std::string> move_warnings_;
-  int moves_ = 0;  // of the camera on the car
+  // Moves of the camera on the car whose warnings have been taken.
+  int moves_ = 0;
   std::size_t jumps_ = 0;
   SeenImages seen_;
   BlendedFrames blended_;

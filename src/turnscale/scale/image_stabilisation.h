@@ -34,8 +34,8 @@ struct StabilisationOptions {
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;
-  /// Smoothing counts from this standard deviation of the times on, s: transients of the tyres and of the body look like
-  /// a little smoothing.
+  /// Smoothing counts from this standard deviation of the times on, s: transients of the tyres and of the body look
+  /// like a little smoothing.
   double min_smoothing = 0.3;
   /// Smoothing also has to be more than this many standard deviations.
   double max_smoothing_deviation = 4;
