@@ -74,6 +74,8 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Group("stabilisation", [&] {
     auto& o = options.estimator.stabilisation;
     visitor.Field("max_lag_deviation", o.max_lag_deviation);
+    visitor.Field("min_lag_deviation", o.min_lag_deviation);
+    visitor.Field("max_scatter_deviation", o.max_scatter_deviation);
     visitor.Field("min_scale_change", o.min_scale_change);
     visitor.Field("lag_sigma", o.lag_sigma);
     visitor.Field("min_smoothing", o.min_smoothing);

@@ -79,6 +79,8 @@ void StabilisationOptions::Check() const {
     if (!good) throw InputError(what);
   };
   require(max_lag_deviation > 0, "max_lag_deviation: has to be positive");
+  require(min_lag_deviation > 0, "min_lag_deviation: has to be positive");
+  require(max_scatter_deviation > 0, "max_scatter_deviation: has to be positive");
   require(min_scale_change >= 0, "min_scale_change: must not be negative");
   require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
   require(min_smoothing > 0, "min_smoothing: has to be positive");
@@ -88,9 +90,13 @@ void StabilisationOptions::Check() const {
 std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const SmoothedDrive& with,
                                      const StabilisationOptions& options) {
   if (!with.converged) return std::nullopt;
-  const double inflation = InflationOf(with.smoothed.chi_squared, with.smoothed.degrees_of_freedom);
-  const ImageLag lag{with.car.mean[kLag], inflation * with.car.Sigma(kLag)};
-  if (!(std::abs(lag.found) > options.max_lag_deviation * lag.found_sigma)) return std::nullopt;
+  const int turns = with.smoothed.degrees_of_freedom;
+  const ImageLag lag{with.car.mean[kLag], InflationOf(with.smoothed.chi_squared, turns) * with.car.Sigma(kLag)};
+  const double deviation = std::abs(lag.found) / lag.found_sigma;
+  const bool unites = without.smoothed.degrees_of_freedom == turns &&
+                      ReductionOfScatter(without.smoothed.chi_squared, with.smoothed.chi_squared, turns - 1) >
+                          options.max_scatter_deviation;
+  if (!(deviation > (unites ? options.min_lag_deviation : options.max_lag_deviation))) return std::nullopt;
   const double change =
       with.smoothed.segments.back().mean[kLogScale] - without.smoothed.segments.back().mean[kLogScale];
   return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;

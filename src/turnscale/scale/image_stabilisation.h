@@ -28,9 +28,13 @@ struct ImageSmoothing {
 
 /// Acceptance of a stabilisation that a drive shows.
 struct StabilisationOptions {
-  /// A lag counts if it is more than this many standard deviations,
+  /// A lag counts if it is more than this many standard deviations.
   double max_lag_deviation = 3;
-  /// and changes the scale by more than this, relative.
+  /// The sigmas of turns are conservative. So a lag also counts if it is more than this many standard deviations,
+  double min_lag_deviation = 1.5;
+  /// and the turns scatter less with it, by more than this many (ReductionOfScatter).
+  double max_scatter_deviation = 3.5;
+  /// It has to change the scale by more than this, relative.
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;

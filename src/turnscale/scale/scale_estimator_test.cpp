@@ -55,6 +55,13 @@ double Metres(const ScaleEstimate& estimate) {
   return metres;
 }
 
+/// No lag is looked for, which may explain the turns of a car that is none, or that scatter.
+ScaleEstimatorOptions WithoutLag() {
+  ScaleEstimatorOptions options;
+  options.stabilisation.min_scale_change = 100;
+  return options;
+}
+
 /// The mean of the true log-scales in a segment, against the estimate.
 double LogError(const ScaleEstimate& estimate, const SyntheticSteps& drive, std::size_t i) {
   const PathSegment& segment = estimate.segments[i];
@@ -194,7 +201,8 @@ TEST(ScaleEstimator, TyresDoNotSlipInwards) {
   // A car whose lever arm grows with speed.
   CarPrior prior = Exactly({1.5, 0.002});
   prior.side_slip_sigma = 0.003;
-  const ScaleEstimate estimate = EstimateOf(MakeSteps(TownRoad(8, 5), {1.5, -0.004}, 0, kUnit, kNoise, 5), prior);
+  const ScaleEstimate estimate =
+      EstimateOf(MakeSteps(TownRoad(8, 5), {1.5, -0.004}, 0, kUnit, kNoise, 5), prior, WithoutLag());
   EXPECT_TRUE(estimate.car.side_slip_at_bound);
   EXPECT_GE(estimate.car.side_slip, 0);
   EXPECT_LT(estimate.car.side_slip, 1e-6);
@@ -450,8 +458,7 @@ TEST(ScaleEstimator, TurnsThatScatterWidenSigmaAsMuchWithGaps) {
   constexpr int kDrives = 60;
   DriveErrors errors = kNoise;
   errors.lever_arm = 0.06;
-  ScaleEstimatorOptions options;
-  options.stabilisation.max_lag_deviation = 100;  // a lag may explain such turns by chance
+  const ScaleEstimatorOptions options = WithoutLag();
   const auto inflation = [&](int gaps) {
     double sum = 0;
     for (int seed = 1; seed <= kDrives; ++seed) {
@@ -944,7 +951,7 @@ TEST(CarPrior, ErrorsCorrelateAsThreeErrorsCan) {
 
 TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
   const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, {}, 4);
-  const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}));
+  const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}), WithoutLag());
   ASSERT_TRUE(estimate.car.side_slip_at_bound);
   EXPECT_EQ(estimate.car.side_slip, 0);
   EXPECT_LT(estimate.car_evidence.posterior.mean[1], 0);
@@ -1045,6 +1052,8 @@ TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");
   EXPECT_EQ(refused([](auto& o) { o.test.min_probability = 0; }), "test.min_probability");
   EXPECT_EQ(refused([](auto& o) { o.stabilisation.max_lag_deviation = 0; }), "stabilisation.max_lag_deviation");
+  EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_lag_deviation = 0; }), "stabilisation.min_lag_deviation");
+  EXPECT_EQ(refused([](auto& o) { o.stabilisation.max_scatter_deviation = 0; }), "stabilisation.max_scatter_deviation");
   EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_scale_change = -1; }), "stabilisation.min_scale_change");
   EXPECT_EQ(refused([](auto& o) { o.stabilisation.lag_sigma = 0; }), "stabilisation.lag_sigma");
   EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_smoothing = 0; }), "stabilisation.min_smoothing");
