@@ -297,8 +297,7 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
   if (result.estimate->height_conflict)
     warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm, "measure both again"));
   if (result.estimate->slip_conflict) warnings.push_back(SlipWarning(*result.estimate->slip_conflict));
-  if (std::string warning = StabilisationWarning(*result.estimate); !warning.empty())
-    warnings.push_back(std::move(warning));
+  if (result.estimate->is_stabilised()) warnings.push_back(StabilisationWarning(*result.estimate));
   if (result.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*result.estimate->yaw_conflict, "check --camera-rotation"));
   if (std::optional<std::string> time = TimeWarning(result)) warnings.push_back(std::move(*time));

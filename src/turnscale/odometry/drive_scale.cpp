@@ -296,7 +296,7 @@ int DriveScale::SpreadScale(const Map& map, double scale, int last) {
   return begin;
 }
 
-RefinedScale DriveScale::Refine(const Map& map, bool uses_single_turns) const {
+RefinedScale DriveScale::Refine(const Map& map, bool has_known_errors) const {
   RefinedScale refined;
   const int count = CountKeyframes(map);
   refined.path = InOwnUnit(map);
@@ -308,7 +308,8 @@ RefinedScale DriveScale::Refine(const Map& map, bool uses_single_turns) const {
   }
   ScaleEstimatorOptions estimator = options_.scale.estimator;
   estimator.uses_single_turns =
-      estimator.uses_single_turns || uses_single_turns || options_.scale.method != ScaleMethod::kSmoothed;
+      estimator.uses_single_turns || has_known_errors || options_.scale.method != ScaleMethod::kSmoothed;
+  estimator.stabilisation.enabled = estimator.stabilisation.enabled && !has_known_errors;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle, mount_.current()), estimator);
   if (!HasMetres(options_.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };

@@ -88,9 +88,17 @@ void DriveRecorder::Keep(const FrameResult& result) {
 }
 
 void DriveRecorder::Finish() {
-  odometry_.Finish();
-  // The turns of the end may have told more of the rotation.
-  if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
+  // The turns of the end may have told more of the rotation, also where the final adjustment fails.
+  const auto record = [this] {
+    if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
+  };
+  try {
+    odometry_.Finish();
+  } catch (...) {
+    record();
+    throw;
+  }
+  record();
 }
 
 std::vector<std::string> DriveRecorder::TakeMoveWarnings() {

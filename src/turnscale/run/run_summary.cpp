@@ -272,9 +272,7 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*summary.car));
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
-  if (scale.estimate)
-    if (std::string warning = StabilisationWarning(*scale.estimate); !warning.empty())
-      warnings.push_back(std::move(warning));
+  if (scale.estimate && scale.estimate->is_stabilised()) warnings.push_back(StabilisationWarning(*scale.estimate));
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));
@@ -380,8 +378,9 @@ double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma) {
   const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
   const std::optional<HeightConflict>& height = estimate.height_conflict;
   const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
+  const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
   return std::hypot(estimate.car.camera_height_sigma,
-                    std::hypot(calibration_sigma, slip, between) * estimate.car.camera_height);
+                    std::hypot(std::hypot(calibration_sigma, slip, between), smoothing) * estimate.car.camera_height);
 }
 
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {

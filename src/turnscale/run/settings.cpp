@@ -73,13 +73,14 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   });
   visitor.Group("stabilisation", [&] {
     auto& o = options.estimator.stabilisation;
-    visitor.Field("max_lag_deviation", o.max_lag_deviation);
+    visitor.Field("enabled", o.enabled);
     visitor.Field("min_lag_deviation", o.min_lag_deviation);
-    visitor.Field("max_scatter_deviation", o.max_scatter_deviation);
+    visitor.Field("min_lag_deviation_with_less_scatter", o.min_lag_deviation_with_less_scatter);
+    visitor.Field("min_reduction_significance", o.min_reduction_significance);
     visitor.Field("min_scale_change", o.min_scale_change);
     visitor.Field("lag_sigma", o.lag_sigma);
     visitor.Field("min_smoothing", o.min_smoothing);
-    visitor.Field("max_smoothing_deviation", o.max_smoothing_deviation);
+    visitor.Field("min_smoothing_deviation", o.min_smoothing_deviation);
   });
   visitor.Group("recovery", [&] {
     auto& o = options.recovery;

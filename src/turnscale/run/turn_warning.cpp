@@ -42,17 +42,15 @@ std::string SlipWarning(const SlipConflict& conflict) {
 
 std::string StabilisationWarning(const ScaleEstimate& estimate) {
   const auto warning = [](const std::string& shown, const std::string& consequence) {
-    return fmt::format("the images seem to be stabilised, as {}; {}: record without image stabilisation", shown,
+    return fmt::format("the images seem to be stabilised: {}; {}: record without image stabilisation", shown,
                        consequence);
   };
-  if (const auto& lag = estimate.image_lag)
+  if (const std::optional<ImageLag>& lag = estimate.image_lag)
     return warning(fmt::format("in turns their orientation {} the car's by {:.2f} +-{:.2f} s",
                                lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma),
                    "the scale allows for this, and is less certain");
-  if (const auto& smoothing = estimate.image_smoothing)
-    return warning("they begin to turn before the car does, and end after it",
-                   fmt::format("the scale may be off by {:.0f} % or more", 100 * smoothing->scale_error));
-  return {};
+  return warning("they begin to turn before the car does, and end after it",
+                 fmt::format("the scale may be off by {:.0f} % or more", 100 * estimate.image_smoothing->scale_error));
 }
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {

@@ -21,7 +21,7 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm, cons
 /// One line: the side slip that the turns show, beside the one that was expected.
 std::string SlipWarning(const SlipConflict& conflict);
 
-/// One line: what image stabilisation does to the scale. Empty if the turns show none.
+/// One line: what the turns show of image stabilisation, and what it does to the scale (ScaleEstimate::is_stabilised).
 std::string StabilisationWarning(const ScaleEstimate& estimate);
 
 /// One line: by how much the camera's yaw differs from the one that was given or estimated in turns, and what the user

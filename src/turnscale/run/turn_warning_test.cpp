@@ -63,16 +63,15 @@ TEST(YawWarning, SaysToWhichSide) {
 
 TEST(StabilisationWarning, SaysHowTheImagesMove) {
   ScaleEstimate estimate;
-  EXPECT_EQ(StabilisationWarning(estimate), "");
+  EXPECT_FALSE(estimate.is_stabilised());
   estimate.image_smoothing = ImageSmoothing{.variance = 0.25, .variance_sigma = 0.02, .scale_error = 0.08};
   EXPECT_EQ(StabilisationWarning(estimate),
-            "the images seem to be stabilised, as they begin to turn before the car does, and end after it; the scale "
+            "the images seem to be stabilised: they begin to turn before the car does, and end after it; the scale "
             "may be off by 8 % or more: record without image stabilisation");
   estimate.image_lag = ImageLag{.found = 0.15, .found_sigma = 0.03};
-  EXPECT_EQ(
-      StabilisationWarning(estimate),
-      "the images seem to be stabilised, as in turns their orientation lags behind the car's by 0.15 +-0.03 s; the "
-      "scale allows for this, and is less certain: record without image stabilisation");
+  EXPECT_EQ(StabilisationWarning(estimate),
+            "the images seem to be stabilised: in turns their orientation lags behind the car's by 0.15 +-0.03 s; the "
+            "scale allows for this, and is less certain: record without image stabilisation");
   estimate.image_lag->found = -0.1;
   EXPECT_NE(StabilisationWarning(estimate).find("is ahead of the car's by 0.10"), std::string::npos);
 }

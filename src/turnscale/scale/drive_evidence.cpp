@@ -10,6 +10,7 @@ bool DriveEvidence::has_turns() const { return std::ranges::any_of(segments, &Pa
 DriveEvidence EvidenceOfDrive(const std::vector<VehicleStep>& steps, const PathSegmentOptions& segments,
                               const EvidenceOptions& options) {
   DriveEvidence evidence;
+  evidence.steps = steps;
   evidence.segments = SplitIntoSegments(steps, segments);
   evidence.of_segments = GatherEvidence(steps, evidence.segments, options);
   evidence.of_turns = MeanDirectionOfTurns(evidence.of_segments, options);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "turnscale/scale/scale_evidence.h"
@@ -10,6 +11,7 @@ namespace turnscale {
 
 /// What the steps of a drive show, whatever car they are of.
 struct DriveEvidence {
+  std::span<const VehicleStep> steps;  ///< those of the drive, which have to outlive it
   std::vector<PathSegment> segments;
   std::vector<SegmentEvidence> of_segments;  ///< one per segment
   MeanTurnDirection of_turns;

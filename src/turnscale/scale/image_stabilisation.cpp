@@ -9,15 +9,15 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/base/square.h"
+#include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/scale/turn_test.h"
 
 namespace turnscale {
 namespace {
 
-constexpr int kReweightings = 20;
-constexpr double kHuber = 1.5;  // robust standard deviations
-// Fewer show nothing.
-constexpr std::size_t kFewestSteps = 8;
+constexpr int kSmoothingReweightings = 20;
+constexpr double kSmoothingHuber = 1.5;  // robust standard deviations
+constexpr std::size_t kFewestSteps = 8;  // to fit a variance to
 
 // A step whose lateral displacement may show smoothing.
 struct SmoothedStep {
@@ -78,39 +78,42 @@ void StabilisationOptions::Check() const {
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
-  require(max_lag_deviation > 0, "max_lag_deviation: has to be positive");
   require(min_lag_deviation > 0, "min_lag_deviation: has to be positive");
-  require(max_scatter_deviation > 0, "max_scatter_deviation: has to be positive");
+  require(min_lag_deviation_with_less_scatter > 0 && min_lag_deviation_with_less_scatter <= min_lag_deviation,
+          "min_lag_deviation_with_less_scatter: has to be above 0 and at most min_lag_deviation");
+  require(min_reduction_significance > 0, "min_reduction_significance: has to be positive");
   require(min_scale_change >= 0, "min_scale_change: must not be negative");
   require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
   require(min_smoothing > 0, "min_smoothing: has to be positive");
-  require(max_smoothing_deviation > 0, "max_smoothing_deviation: has to be positive");
+  require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");
 }
 
 std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const SmoothedDrive& with,
                                      const StabilisationOptions& options) {
   if (!with.converged) return std::nullopt;
-  const int turns = with.smoothed.degrees_of_freedom;
-  const ImageLag lag{with.car.mean[kLag], InflationOf(with.smoothed.chi_squared, turns) * with.car.Sigma(kLag)};
-  const double deviation = std::abs(lag.found) / lag.found_sigma;
-  const bool unites = without.smoothed.degrees_of_freedom == turns &&
-                      ReductionOfScatter(without.smoothed.chi_squared, with.smoothed.chi_squared, turns - 1) >
-                          options.max_scatter_deviation;
-  if (!(deviation > (unites ? options.min_lag_deviation : options.max_lag_deviation))) return std::nullopt;
-  const double change =
-      with.smoothed.segments.back().mean[kLogScale] - without.smoothed.segments.back().mean[kLogScale];
+  const SmoothedScale& before = without.smoothed;
+  const SmoothedScale& after = with.smoothed;
+  const ImageLag lag{with.car.mean[kLag],
+                     InflationOf(after.chi_squared, after.degrees_of_freedom) * with.car.Sigma(kLag)};
+  const bool scatters_less = before.degrees_of_freedom == after.degrees_of_freedom &&
+                             ReductionSignificance(before.chi_squared, after.chi_squared,
+                                                   after.degrees_of_freedom - 1) > options.min_reduction_significance;
+  const double least = scatters_less ? options.min_lag_deviation_with_less_scatter : options.min_lag_deviation;
+  if (!(std::abs(lag.found) > least * lag.found_sigma)) return std::nullopt;
+  const double change = after.segments.back().mean[kLogScale] - before.segments.back().mean[kLogScale];
   return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;
 }
 
 std::optional<ImageSmoothing> FindImageSmoothing(std::span<const VehicleStep> all_steps,
                                                  const std::vector<PathSegment>& segments,
-                                                 const std::vector<ScaleBelief>& states,
+                                                 const std::vector<ScaleBelief>& states, double sigma_theta,
                                                  const StabilisationOptions& options) {
   const std::vector<SmoothedStep> steps = SmoothedSteps(all_steps, segments, states);
   if (steps.size() < kFewestSteps) return std::nullopt;
+  const double noise_floor = LateralNoise(all_steps, sigma_theta);
   ImageSmoothing smoothing;
   std::vector<double> weights(steps.size(), 1.0);
-  for (int round = 0; round < kReweightings; ++round) {
+  for (int round = 0; round < kSmoothingReweightings; ++round) {
     double information = 0;
     double sum = 0;
     for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -121,12 +124,12 @@ std::optional<ImageSmoothing> FindImageSmoothing(std::span<const VehicleStep> al
     smoothing.variance = sum / information;
     std::vector<double> off;
     for (const SmoothedStep& step : steps) off.push_back(step.residual - smoothing.variance * step.by_variance);
-    const double spread = RobustSigma(off);
+    const double spread = std::max(RobustSigma(off), noise_floor);
     smoothing.variance_sigma = spread / std::sqrt(information);
-    for (std::size_t i = 0; i < steps.size(); ++i) weights[i] = HuberWeight(off[i], kHuber * spread);
+    for (std::size_t i = 0; i < steps.size(); ++i) weights[i] = HuberWeight(off[i], kSmoothingHuber * spread);
   }
   const double least =
-      std::max(Square(options.min_smoothing), options.max_smoothing_deviation * smoothing.variance_sigma);
+      std::max(Square(options.min_smoothing), options.min_smoothing_deviation * smoothing.variance_sigma);
   if (!(smoothing.variance > least)) return std::nullopt;
   smoothing.scale_error = ScaleError(smoothing.variance, steps);
   return smoothing;

@@ -21,6 +21,8 @@ namespace {
 // The steps of EstimateScale; again with other priors, where the drive contradicts those of `car`.
 ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
                                  const ScaleEstimatorOptions& options);
+ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
+                                    const ScaleEstimatorOptions& options);
 
 ScaleProblem ProblemOf(const DriveEvidence& evidence, const TurnSelection& selection,
                        const ScaleEstimatorOptions& options) {
@@ -214,6 +216,8 @@ ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const Car
   freed.yaw_sigma = options.contradicted_yaw_sigma;
   ScaleEstimateResult result = EstimateFrom(evidence, freed, options);
   if (!result.estimate) return result;
+  // A lag changes the direction of travel in turns, too: the yaw may be as given.
+  if (result.estimate->image_lag && car.lag_sigma == 0) return EstimateWithLag(evidence, car, options);
   const CarRefinement& found = result.estimate->car;
   result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
   // So far off, lateral and forward motion are confused, and the yaw that fits best may be far from right, too.
@@ -227,30 +231,42 @@ ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const Car
   return result;
 }
 
-// The lag of stabilised images. A given height plays no part in the test: one that disagrees with the lever arm would
-// look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of its own.
-std::optional<ImageLag> LagOf(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
-                              const ScaleEstimatorOptions& options) {
-  if (car.lag_sigma > 0 || !car.knows_lever_arm() || options.uses_single_turns) return std::nullopt;
-  const double most_slip = options.test.max_prior_deviation;
-  if (TurnsAgree(drive, options.test) && SlipDeviation(drive, car) > most_slip) return std::nullopt;
-  const CarPrior lagging = WithoutHeight(WithLag(car, options));
-  TurnSelection selection = SelectTurns(evidence.of_segments, lagging, drive.car.mean, options.evidence);
-  if (!StartingLogScale(selection, lagging)) return std::nullopt;
+// The estimate with or without a lag, but without a given height.
+std::optional<SmoothedDrive> SmoothedWithoutHeight(const DriveEvidence& evidence, const CarPrior& car,
+                                                   const DriveState& start, const ScaleEstimatorOptions& options) {
+  const CarPrior alone = WithoutHeight(car);
+  TurnSelection selection = SelectTurns(evidence.of_segments, alone, start, options.evidence);
+  if (!StartingLogScale(selection, alone)) return std::nullopt;
   const ScaleProblem problem = ProblemOf(evidence, selection, options);
-  const SmoothedDrive with = SmoothDrive(problem, evidence.of_segments, lagging, options.huber, std::move(selection));
-  if (!TurnsAgree(with, options.test) || std::abs(SlipDeviation(with, car)) > most_slip) return std::nullopt;
-  return FindImageLag(drive, with, options.stabilisation);
+  return SmoothDrive(problem, evidence.of_segments, alone, options.huber, std::move(selection));
+}
+
+// Whether the turns show a lag of stabilised images. A given height plays no part: one that disagrees with the lever
+// arm would look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of
+// its own.
+bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
+              const ScaleEstimatorOptions& options) {
+  if (!options.stabilisation.enabled || car.lag_sigma > 0 || !car.knows_lever_arm()) return false;
+  const DriveState& start = drive.car.mean;
+  const auto without = car.knows_height() ? SmoothedWithoutHeight(evidence, car, start, options) : drive;
+  const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), start, options);
+  if (!without || !with) return false;
+  const double most_slip = options.test.max_prior_deviation;
+  if (TurnsAgree(*without, options.test) && SlipDeviation(*without, car) > most_slip) return false;
+  if (!TurnsAgree(*with, options.test) || std::abs(SlipDeviation(*with, car)) > most_slip) return false;
+  return FindImageLag(*without, *with, options.stabilisation).has_value();
 }
 
 // With a lag that the prior does not hold, as the drive shows one.
-ScaleEstimateResult EstimateWithLag(const ImageLag& lag, const DriveEvidence& evidence, const CarPrior& car,
+ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
                                     const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result = EstimateFrom(evidence, WithLag(car, options), options);
-  if (result.estimate)
-    result.estimate->image_lag = lag;
-  else
+  if (result.estimate) {
+    const ScaleBelief& belief = result.estimate->smoothed.back();
+    result.estimate->image_lag = ImageLag{belief.mean[kLag], belief.Sigma(kLag)};
+  } else {
     result.reason = "the images seem to be stabilised; " + result.reason;
+  }
   return result;
 }
 
@@ -298,6 +314,16 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
+// Sigma grows by what the smoothing of stabilised images does to a scale from turns alone. A lag may look like
+// smoothing.
+void CoverSmoothing(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
+                    const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
+  if (!options.stabilisation.enabled || car.lag_sigma > 0 || !car.knows_lever_arm() || car.knows_height()) return;
+  estimate.image_smoothing = FindImageSmoothing(evidence.steps, drive.problem.segments, drive.smoothed.segments,
+                                                options.evidence.line.sigma_theta, options.stabilisation);
+  if (estimate.image_smoothing) Widen(estimate.image_smoothing->scale_error, estimate);
+}
+
 // What becomes of a given height.
 struct HeightDecision {
   std::optional<HeightConflict> conflict;
@@ -335,13 +361,6 @@ void AllowForInconsistency(const ScaleEstimatorOptions& options, ScaleEstimate& 
   if (estimate.slip_conflict && !estimate.uses_single_turns) Widen(estimate.test.disagreement, estimate);
 }
 
-// Sigma covers what the smoothing of stabilised images does to the scale.
-void CoverSmoothing(std::span<const VehicleStep> steps, const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  if (options.uses_single_turns) return;
-  estimate.image_smoothing = FindImageSmoothing(steps, estimate.segments, estimate.smoothed, options.stabilisation);
-  if (estimate.image_smoothing) Widen(estimate.image_smoothing->scale_error, estimate);
-}
-
 ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
                                  const ScaleEstimatorOptions& options) {
   const DriveState start = StartingState(car, evidence.of_turns);
@@ -353,7 +372,7 @@ ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& 
   }
   const SmoothedDrive drive = SmoothDrive(problem, evidence.of_segments, car, options.huber, std::move(selection));
   if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(evidence, car, options);
-  if (const auto lag = LagOf(drive, evidence, car, options)) return EstimateWithLag(*lag, evidence, car, options);
+  if (ShowsLag(drive, evidence, car, options)) return EstimateWithLag(evidence, car, options);
   ScaleEstimate estimate = EstimateOf(drive, car, options);
   const double best = BestSigma(estimate.smoothed);
   if (!(best <= options.max_sigma)) return TooUncertain(best, std::move(estimate.turns), evidence, car, options);
@@ -363,6 +382,7 @@ ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& 
   estimate.test = TestOf(estimate.turns, drive, car, options.test);
   estimate.slip_conflict = SlipConflictOf(estimate.test, drive, car, options.test);
   InflateAndDescribe(drive, car, options.max_sigma, estimate);
+  CoverSmoothing(drive, evidence, car, options, estimate);
   HeightDecision height = JudgeHeight(evidence, car, options, drive.car, estimate.test);
   if (height.without) return *std::move(height.without);
   if (height.conflict) TakeConflict(*height.conflict, estimate);
@@ -395,9 +415,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
                                   const ScaleEstimatorOptions& options) {
   car.Check();
   options.Check();
-  ScaleEstimateResult result = EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
-  if (result.estimate) CoverSmoothing(steps, options, *result.estimate);
-  return result;
+  return EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
 }
 
 }  // namespace turnscale

@@ -90,7 +90,7 @@ struct ScaleEstimate {
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
   std::optional<SlipConflict> slip_conflict;
-  /// The images are stabilised: the estimate allows for the lag, and sigma covers what smoothing does to the scale.
+  /// Of images that seem to be stabilised: the estimate is made with the lag; smoothing enlarges sigma.
   std::optional<ImageLag> image_lag;
   std::optional<ImageSmoothing> image_smoothing;
   std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
@@ -102,10 +102,11 @@ struct ScaleEstimate {
   bool is_doubtful = false;  ///< by what the estimator does not see, such as a converted video; its caller sets it
   bool converged = false;
 
+  bool is_stabilised() const { return image_lag || image_smoothing; }
+
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
   bool has_reliable_car() const {
-    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !image_lag && !image_smoothing &&
-           !is_doubtful;
+    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !is_stabilised() && !is_doubtful;
   }
 };
 

@@ -12,6 +12,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 #include "turnscale/scale/synthetic_steps.h"
+#include "turnscale/scale/test_estimates.h"
 
 namespace turnscale {
 namespace {
@@ -31,34 +32,16 @@ CarPrior Exactly(const LeverArm& car) {
   return prior;
 }
 
-/// Differences from the model as large as they are taken to be.
-DriveErrors AsStated(const ScaleEstimatorOptions& options) {
-  return {.direction = options.evidence.line.sigma_theta,
-          .lever_arm = options.evidence.turn_sigma,
-          .slip = options.evidence.slip_sigma,
-          .turn_direction = options.evidence.turn_direction_sigma,
-          .straight_direction = options.evidence.straight_direction_sigma,
-          .per_100m = options.drift.per_100m,
-          .per_90deg = options.drift.per_90deg};
-}
-
 ScaleEstimate EstimateOf(const SyntheticSteps& drive, const CarPrior& car, const ScaleEstimatorOptions& options = {}) {
   ScaleEstimateResult result = EstimateScale(drive.steps, car, options);
   EXPECT_TRUE(result.estimate) << result.reason;
   return result.estimate.value_or(ScaleEstimate{});
 }
 
-double Metres(const ScaleEstimate& estimate) {
-  double metres = 0;
-  for (std::size_t i = 0; i < estimate.segments.size(); ++i)
-    metres += estimate.segments[i].length * estimate.smoothed[i].metres_per_unit();
-  return metres;
-}
-
-/// No lag is looked for, which may explain the turns of a car that is none, or that scatter.
-ScaleEstimatorOptions WithoutLag() {
+/// No lag is ever found: one may explain turns that scatter, or those of a car that does not exist.
+ScaleEstimatorOptions FindingNoLag() {
   ScaleEstimatorOptions options;
-  options.stabilisation.min_scale_change = 100;
+  options.stabilisation.enabled = false;
   return options;
 }
 
@@ -202,7 +185,7 @@ TEST(ScaleEstimator, TyresDoNotSlipInwards) {
   CarPrior prior = Exactly({1.5, 0.002});
   prior.side_slip_sigma = 0.003;
   const ScaleEstimate estimate =
-      EstimateOf(MakeSteps(TownRoad(8, 5), {1.5, -0.004}, 0, kUnit, kNoise, 5), prior, WithoutLag());
+      EstimateOf(MakeSteps(TownRoad(8, 5), {1.5, -0.004}, 0, kUnit, kNoise, 5), prior, FindingNoLag());
   EXPECT_TRUE(estimate.car.side_slip_at_bound);
   EXPECT_GE(estimate.car.side_slip, 0);
   EXPECT_LT(estimate.car.side_slip, 1e-6);
@@ -458,7 +441,7 @@ TEST(ScaleEstimator, TurnsThatScatterWidenSigmaAsMuchWithGaps) {
   constexpr int kDrives = 60;
   DriveErrors errors = kNoise;
   errors.lever_arm = 0.06;
-  const ScaleEstimatorOptions options = WithoutLag();
+  const ScaleEstimatorOptions options = FindingNoLag();
   const auto inflation = [&](int gaps) {
     double sum = 0;
     for (int seed = 1; seed <= kDrives; ++seed) {
@@ -951,93 +934,10 @@ TEST(CarPrior, ErrorsCorrelateAsThreeErrorsCan) {
 
 TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
   const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, {}, 4);
-  const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}), WithoutLag());
+  const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}), FindingNoLag());
   ASSERT_TRUE(estimate.car.side_slip_at_bound);
   EXPECT_EQ(estimate.car.side_slip, 0);
   EXPECT_LT(estimate.car_evidence.posterior.mean[1], 0);
-}
-
-TEST(ScaleEstimator, AllowsForImagesThatLagBehindTheCar) {
-  constexpr int kDrives = 40;
-  for (const double lag : {0.15, -0.08}) {
-    int found = 0;
-    int within = 0;
-    for (int seed = 0; seed < kDrives; ++seed) {
-      DriveErrors errors = kNoise;
-      errors.lag = lag;
-      const SyntheticSteps drive = MakeSteps(TownRoad(12, seed), kCar, 0, kUnit, errors, seed);
-      const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
-      if (!estimate.image_lag) continue;
-      ++found;
-      EXPECT_NEAR(estimate.image_lag->found, lag, 3 * estimate.image_lag->found_sigma) << seed;
-      EXPECT_FALSE(estimate.has_reliable_car());
-      within += std::abs(Metres(estimate) / drive.metres - 1) < 2 * estimate.length_sigma ? 1 : 0;
-    }
-    EXPECT_GE(found, kDrives * 3 / 4) << lag;
-    EXPECT_GE(within, found * 9 / 10) << lag;
-  }
-}
-
-TEST(ScaleEstimator, SeesNoStabilisationInOtherDrives) {
-  const ScaleEstimatorOptions options;
-  for (int seed = 0; seed < 60; ++seed) {
-    const SyntheticSteps drive = MakeSteps(TownRoad(8, seed), kCar, 0, kUnit, AsStated(options), seed);
-    const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
-    EXPECT_FALSE(estimate.image_lag) << seed;
-    EXPECT_FALSE(estimate.image_smoothing) << seed;
-  }
-}
-
-// Neither one speed nor no times at all tell a lag from a lever arm.
-TEST(ScaleEstimator, ALagNeedsTurnsOfDifferentSpeeds) {
-  std::vector<StretchOfRoad> road;
-  for (const double side : {1.0, -1.0, 1.0, -1.0}) {
-    road.push_back({20, 0, 4, 8});
-    road.push_back({25, side * 3.5 * kDegree, 0.5, 6});
-  }
-  road.push_back({20, 0, 4, 8});
-  SyntheticSteps drive = MakeSteps(road, kCar, 0, kUnit, {.direction = 0.2 * kDegree, .lag = 0.1});
-  EXPECT_FALSE(EstimateOf(drive, PriorOf(kCar)).image_lag);
-  drive = MakeSteps(TownRoad(12, 1), kCar, 0, kUnit, {.direction = 0.2 * kDegree, .lag = 0.15});
-  for (VehicleStep& step : drive.steps) step.duration = 0;
-  EXPECT_FALSE(EstimateOf(drive, PriorOf(kCar)).image_lag);
-}
-
-TEST(ScaleEstimator, AWrongLeverArmIsNoLagWhereTheHeightIsGiven) {
-  SyntheticSteps drive = MakeSteps(TownRoad(8, 4), kCar, 0, kUnit, kNoise, 4);
-  ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
-  CarPrior wrong = WithHeight(1.4, 0.014, PriorOf(kCar));
-  wrong.lever_arm *= 1.2;
-  const ScaleEstimate estimate = EstimateOf(drive, wrong);
-  EXPECT_TRUE(estimate.height_conflict);
-  EXPECT_FALSE(estimate.image_lag);
-}
-
-// Turns that begin and end gradually, in the images of which the yaw is the mean over some time.
-TEST(ScaleEstimator, SigmaCoversImagesThatAreSmoothed) {
-  for (const double smoothing : {0.5, 0.0}) {
-    std::vector<StretchOfRoad> road;
-    for (int turn = 0; turn < 6; ++turn) {
-      road.push_back({20, 0, 3, 6});
-      for (int i = 0; i < 40; ++i)
-        road.push_back({1, (turn % 2 == 0 ? 4 : -4) * kDegree * std::pow(std::sin((i + 0.5) * M_PI / 40), 2), 0.6, 6});
-    }
-    road.push_back({20, 0, 3, 6});
-    SyntheticSteps drive = MakeSteps(road, kCar, 0, kUnit, kNoise);
-    const std::vector<VehicleStep> car = drive.steps;
-    for (std::size_t i = 1; i + 1 < car.size(); ++i) {
-      const auto rate = [&](std::size_t k) { return car[k].motion.psi / car[k].duration; };
-      const double seconds = 0.5 * car[i - 1].duration + car[i].duration + 0.5 * car[i + 1].duration;
-      drive.steps[i].motion.theta -= 0.5 * smoothing * smoothing * (rate(i + 1) - rate(i - 1)) / seconds;
-    }
-    const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
-    ASSERT_EQ(estimate.image_smoothing.has_value(), smoothing > 0);
-    if (!estimate.image_smoothing) continue;
-    EXPECT_NEAR(std::sqrt(estimate.image_smoothing->variance), smoothing, 0.05);
-    EXPECT_GT(estimate.image_smoothing->scale_error, 0.02);
-    EXPECT_GT(estimate.length_sigma, estimate.image_smoothing->scale_error);
-    EXPECT_FALSE(estimate.has_reliable_car());
-  }
 }
 
 TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
@@ -1051,15 +951,7 @@ TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");
   EXPECT_EQ(refused([](auto& o) { o.test.min_probability = 0; }), "test.min_probability");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.max_lag_deviation = 0; }), "stabilisation.max_lag_deviation");
   EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_lag_deviation = 0; }), "stabilisation.min_lag_deviation");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.max_scatter_deviation = 0; }), "stabilisation.max_scatter_deviation");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_scale_change = -1; }), "stabilisation.min_scale_change");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.lag_sigma = 0; }), "stabilisation.lag_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.min_smoothing = 0; }), "stabilisation.min_smoothing");
-  EXPECT_EQ(refused([](auto& o) { o.stabilisation.max_smoothing_deviation = 0; }),
-            "stabilisation.max_smoothing_deviation");
-  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turns.min_steps");
 }
 
 }  // namespace

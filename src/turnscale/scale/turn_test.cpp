@@ -40,7 +40,7 @@ bool ExceedsChance(double chi_squared, int degrees_of_freedom, const TurnTestOpt
   return degrees_of_freedom > 0 && chi_squared > ChiSquaredLimit(options.min_probability, degrees_of_freedom);
 }
 
-double ReductionOfScatter(double before, double after, int degrees_of_freedom) {
+double ReductionSignificance(double before, double after, int degrees_of_freedom) {
   if (degrees_of_freedom < 1 || !(before > after && after > 0)) return 0;
   const double n = degrees_of_freedom;
   return (8 * n + 1) / (8 * n + 3) * std::sqrt(n * std::log(before / after));

@@ -45,10 +45,10 @@ double InflationOf(double chi_squared, int degrees_of_freedom);
 /// Whether chi-squared is more than chance explains.
 bool ExceedsChance(double chi_squared, int degrees_of_freedom, const TurnTestOptions& options);
 
-/// By how many standard deviations of a normal variable one more parameter reduces chi-squared, `before` to `after`, if
-/// all sigmas may be wrong by a common factor: Student's t with so many degrees of freedom (Wallace 1959, Bounds on
-/// normal approximations to Student's and the chi-square distributions). 0 without any.
-double ReductionOfScatter(double before, double after, int degrees_of_freedom);
+/// Significance of the reduction of chi-squared by one more parameter, `before` to `after`, if all sigmas may be wrong
+/// by a common factor, in standard deviations of a normal variable: Student's t with so many degrees of freedom
+/// (Wallace 1959, Bounds on normal approximations to Student's and the chi-square distributions). 0 without any.
+double ReductionSignificance(double before, double after, int degrees_of_freedom);
 
 /// Tests the turns against the estimate.
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options);

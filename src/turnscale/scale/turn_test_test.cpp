@@ -127,14 +127,14 @@ TEST(TurnTest, RefusesSenselessOptions) {
   EXPECT_EQ(refused([](auto& o) { o.min_disagreement = -1; }), "min_disagreement");
 }
 
-TEST(ReductionOfScatter, IsStudentsTAsANormalDeviate) {
-  const auto deviation = [](double t, int n) { return ReductionOfScatter(1 + t * t / n, 1, n); };
+TEST(ReductionSignificance, IsStudentsTAsANormalDeviate) {
+  const auto deviation = [](double t, int n) { return ReductionSignificance(1 + t * t / n, 1, n); };
   // Two-sided 0.1 %: t with so many degrees of freedom, and the normal deviate.
   for (const auto& [n, t] : {std::pair{5, 6.869}, {10, 4.587}, {30, 3.646}, {1000, 3.300}})
     EXPECT_NEAR(deviation(t, n), 3.291, 0.03) << n;
   EXPECT_EQ(deviation(0, 5), 0);
-  EXPECT_EQ(ReductionOfScatter(3, 1, 0), 0);
-  EXPECT_EQ(ReductionOfScatter(1, 2, 5), 0);
+  EXPECT_EQ(ReductionSignificance(3, 1, 0), 0);
+  EXPECT_EQ(ReductionSignificance(1, 2, 5), 0);
 }
 
 }  // namespace
