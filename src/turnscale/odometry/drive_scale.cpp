@@ -43,6 +43,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   car.yaw_sigma = YawSigma(vehicle, mount);
   car.roll_height = vehicle.roll_height;
   car.roll_height_sigma = vehicle.roll_height_sigma;
+  car.lag_sigma = vehicle.lag_sigma;
   return car;
 }
 

@@ -32,7 +32,8 @@ rusage Usage() {
   return usage;
 }
 
-constexpr auto kMeasureAgain = "measure both again, and check fx and fy (pixels may not be square)";
+constexpr auto kMeasureAgain =
+    "measure both again, and check fx and fy (pixels may not be square) and whether the video is stabilised";
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
 // Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
@@ -272,7 +273,9 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*summary.car));
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
-  if (scale.estimate && scale.estimate->is_stabilised()) warnings.push_back(StabilisationWarning(*scale.estimate));
+  const bool is_known = vehicle.lag_sigma > 0;  // and the lag allowed for
+  if (scale.estimate && (is_known ? scale.estimate->image_smoothing.has_value() : scale.estimate->is_stabilised()))
+    warnings.push_back(StabilisationWarning(*scale.estimate));
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));

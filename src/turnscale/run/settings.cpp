@@ -117,6 +117,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("lever_arm_slip_correlation", o.lever_arm_slip_correlation);
     visitor.Field("roll_height", o.roll_height);
     visitor.Field("roll_height_sigma", o.roll_height_sigma);
+    visitor.Field("lag_sigma", o.lag_sigma);
   });
   visitor.Group("images", [&] {
     visitor.Field("max_width", settings.images.max_width);

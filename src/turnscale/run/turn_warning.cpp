@@ -41,16 +41,18 @@ std::string SlipWarning(const SlipConflict& conflict) {
 }
 
 std::string StabilisationWarning(const ScaleEstimate& estimate) {
-  const auto warning = [](const std::string& shown, const std::string& consequence) {
-    return fmt::format("the images seem to be stabilised: {}; {}: record without image stabilisation", shown,
-                       consequence);
-  };
+  std::string text = "the images seem to be stabilised: ";
   if (const std::optional<ImageLag>& lag = estimate.image_lag)
-    return warning(fmt::format("in turns their orientation {} the car's by {:.2f} +-{:.2f} s",
-                               lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma),
-                   "the scale allows for this, and is less certain");
-  return warning("they begin to turn before the car does, and end after it",
-                 fmt::format("the scale may be off by {:.0f} % or more", 100 * estimate.image_smoothing->scale_error));
+    text += fmt::format(
+        "in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which the scale allows, with a larger "
+        "sigma; ",
+        lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma);
+  if (const std::optional<ImageSmoothing>& smoothing = estimate.image_smoothing)
+    text += fmt::format(
+        "they begin to turn before the car does, and turn on after it, by which the scale may be off by {:.0f} % or "
+        "more; ",
+        100 * smoothing->scale_error);
+  return text + "record without image stabilisation";
 }
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {

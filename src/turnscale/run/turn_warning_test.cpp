@@ -65,13 +65,15 @@ TEST(StabilisationWarning, SaysHowTheImagesMove) {
   ScaleEstimate estimate;
   EXPECT_FALSE(estimate.is_stabilised());
   estimate.image_smoothing = ImageSmoothing{.variance = 0.25, .variance_sigma = 0.02, .scale_error = 0.08};
-  EXPECT_EQ(StabilisationWarning(estimate),
-            "the images seem to be stabilised: they begin to turn before the car does, and end after it; the scale "
-            "may be off by 8 % or more: record without image stabilisation");
+  const std::string smoothed =
+      "they begin to turn before the car does, and turn on after it, by which the scale may be off by 8 % or more; "
+      "record without image stabilisation";
+  EXPECT_EQ(StabilisationWarning(estimate), "the images seem to be stabilised: " + smoothed);
   estimate.image_lag = ImageLag{.found = 0.15, .found_sigma = 0.03};
   EXPECT_EQ(StabilisationWarning(estimate),
-            "the images seem to be stabilised: in turns their orientation lags behind the car's by 0.15 +-0.03 s; the "
-            "scale allows for this, and is less certain: record without image stabilisation");
+            "the images seem to be stabilised: in turns their orientation lags behind the car's by 0.15 +-0.03 s, for "
+            "which the scale allows, with a larger sigma; " +
+                smoothed);
   estimate.image_lag->found = -0.1;
   EXPECT_NE(StabilisationWarning(estimate).find("is ahead of the car's by 0.10"), std::string::npos);
 }

@@ -68,6 +68,7 @@ struct KnownCar {
   Measure side_slip;  // s^2/m
   std::optional<Measure> height = {};
   Correlations correlations;
+  double lag_sigma = 0;  // of stabilised images, s
 };
 
 // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
@@ -126,6 +127,9 @@ KnownCar WhatIsKnown(const VehicleOptions& vehicle, const Mount& mount, const Re
     known.height = {*vehicle.camera_height, SigmaOfGiven(*vehicle.camera_height, vehicle.HeightSigma(), scale)};
   }
   known.correlations = Distinct(known.correlations);
+  known.lag_sigma = vehicle.lag_sigma;
+  if (known.lag_sigma == 0 && scale.estimate && scale.estimate->is_stabilised())
+    known.lag_sigma = StabilisationOptions().lag_sigma;
   return known;
 }
 
@@ -159,6 +163,7 @@ const std::vector<std::string>& VehicleFileKeys() {
                                                 "height_correlation",
                                                 "height_slip_correlation",
                                                 "lever_arm_slip_correlation",
+                                                "lag_sigma",
                                                 "vehicle_from_camera_wxyz",
                                                 "confidence",
                                                 "frames",
@@ -198,6 +203,8 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   if (correlations.height_slip)
     text +=
         Line("height_slip_correlation", *correlations.height_slip, "of the errors of the height and of the side slip");
+  if (known.lag_sigma > 0)
+    text += Line("lag_sigma", known.lag_sigma, "the images are stabilised, with a lag of 0 +- this, seconds");
   return text;
 }
 
@@ -258,6 +265,7 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = share * correlation("height_correlation");
     vehicle.height_slip_correlation = share * correlation("height_slip_correlation");
   }
+  vehicle.lag_sigma = not_negative("lag_sigma", vehicle.lag_sigma);
   map.CheckRead(vehicle);
 }
 

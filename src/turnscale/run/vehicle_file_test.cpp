@@ -208,6 +208,16 @@ TEST(VehicleFile, WhatWasGivenStays) {
   EXPECT_NEAR(next.camera_height.value(), 1.2, 1e-9);
 }
 
+TEST(VehicleFile, TheNextDriveAllowsForALagOfStabilisedImages) {
+  EXPECT_EQ(ReadText(VehicleFileText({}, {}, LearnedScale())).lag_sigma, 0);
+  RefinedScale stabilised = LearnedScale();
+  stabilised.estimate->image_smoothing.emplace();
+  const VehicleOptions next = ReadText(VehicleFileText({}, {}, stabilised));
+  EXPECT_EQ(next.lag_sigma, StabilisationOptions().lag_sigma);
+  EXPECT_EQ(ReadText(VehicleFileText(next, {}, LearnedScale())).lag_sigma, next.lag_sigma) << "and the one after it";
+  EXPECT_NE(Refused("lag_sigma: -1\n").find("lag_sigma"), std::string::npos);
+}
+
 TEST(VehicleFile, ReadsWhatSimulateWrites) {
   const VehicleOptions vehicle = ReadText(
       "yaw_deg: 2\npitch_deg: -3\nroll_deg: 0.5\nlever_arm: 1.4\nlateral_offset: 0.2\nheight: 1.3\nside_slip: 0.005\n");

@@ -30,12 +30,13 @@ struct SmoothedStep {
 
 double YawRate(const VehicleStep& step) { return step.motion.psi / step.duration; }
 
-// What the model of the car leaves of the lateral displacement of a step.
-double LateralResidual(const VehicleStep& step, const DriveState& state) {
+// What the model of the car leaves of the lateral displacement of a step. Behind a lag, the car has already turned on.
+double LateralResidual(const VehicleStep& step, double acceleration, const DriveState& state) {
   const double scale = std::exp(state[kLogScale]);
   const double lever_arm = std::exp(state[kLogLeverArm]) / scale - state[kSlip] * scale * step.signed_square_speed() +
                            state[kLag] * step.signed_speed();
-  return step.lateral() - lever_arm * step.swing() - state[kRollHeight] / scale * step.roll -
+  const double swing = step.swing() + state[kLag] * acceleration * step.duration;
+  return step.lateral() - lever_arm * swing - state[kRollHeight] / scale * step.roll -
          state[kDirection] * step.forward();
 }
 
@@ -53,7 +54,7 @@ std::vector<SmoothedStep> SmoothedSteps(std::span<const VehicleStep> steps, cons
       const double seconds = 0.5 * before.duration + step.duration + 0.5 * after.duration;
       const double acceleration = (YawRate(after) - YawRate(before)) / seconds;
       smoothed.push_back({.by_variance = -0.5 * step.forward() * acceleration,
-                          .residual = LateralResidual(step, states[k].mean),
+                          .residual = LateralResidual(step, acceleration, states[k].mean),
                           .rate = YawRate(step),
                           .acceleration = acceleration,
                           .duration = step.duration});

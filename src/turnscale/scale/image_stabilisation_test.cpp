@@ -158,6 +158,18 @@ TEST(ImageStabilisation, IsLookedForUnlessDisabled) {
   EXPECT_FALSE(result.estimate->is_stabilised());
 }
 
+TEST(ImageStabilisation, AKnownStabilisationIsAllowedForFromTheStart) {
+  CarPrior car = KnownCar(kCar);
+  car.lag_sigma = 0.2;
+  const StabilisedDrive unstabilised = MakeStabilised(Unstabilised, 0.1);
+  const ScaleEstimate unknown = EstimateOf(unstabilised);
+  const ScaleEstimate known = EstimateOf(unstabilised, car);
+  ASSERT_TRUE(known.image_lag);
+  EXPECT_NEAR(known.image_lag->found, 0, 2 * known.image_lag->found_sigma);
+  EXPECT_LT(std::abs(RelativeError(known, unstabilised)), 2 * known.length_sigma);
+  EXPECT_GT(known.length_sigma, 1.5 * unknown.length_sigma) << "it has to be found out that there is no lag";
+}
+
 TEST(ImageStabilisation, NeedsTimes) {
   for (const Stabiliser& stabiliser : {DelayedBy(0.15), CentredOver(0.5)}) {
     std::vector<VehicleStep> steps = CutIntoSteps(MakeStabilised(stabiliser, 0.1).path, {}, true, {});

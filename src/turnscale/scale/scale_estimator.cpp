@@ -261,12 +261,7 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
 ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
                                     const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result = EstimateFrom(evidence, WithLag(car, options), options);
-  if (result.estimate) {
-    const ScaleBelief& belief = result.estimate->smoothed.back();
-    result.estimate->image_lag = ImageLag{belief.mean[kLag], belief.Sigma(kLag)};
-  } else {
-    result.reason = "the images seem to be stabilised; " + result.reason;
-  }
+  if (!result.estimate) result.reason = "the images seem to be stabilised; " + result.reason;
   return result;
 }
 
@@ -309,16 +304,17 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
+  const ScaleBelief& last = estimate.smoothed.back();
+  if (car.lag_sigma > 0) estimate.image_lag = ImageLag{last.mean[kLag], last.Sigma(kLag)};
   const bool slip_at_bound = car.side_slip_sigma > 0 && drive.side_slip() < 0;
-  estimate.car = DescribeCar(estimate.smoothed.back(), car, slip_at_bound, max_height_sigma);
+  estimate.car = DescribeCar(last, car, slip_at_bound, max_height_sigma);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
-// Sigma grows by what the smoothing of stabilised images does to a scale from turns alone. A lag may look like
-// smoothing.
+// Sigma grows by what the smoothing of stabilised images does to a scale from turns alone.
 void CoverSmoothing(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
                     const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  if (!options.stabilisation.enabled || car.lag_sigma > 0 || !car.knows_lever_arm() || car.knows_height()) return;
+  if (!options.stabilisation.enabled || !car.knows_lever_arm() || car.knows_height()) return;
   estimate.image_smoothing = FindImageSmoothing(evidence.steps, drive.problem.segments, drive.smoothed.segments,
                                                 options.evidence.line.sigma_theta, options.stabilisation);
   if (estimate.image_smoothing) Widen(estimate.image_smoothing->scale_error, estimate);

@@ -90,7 +90,7 @@ struct ScaleEstimate {
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
   std::optional<SlipConflict> slip_conflict;
-  /// Of images that seem to be stabilised: the estimate is made with the lag; smoothing enlarges sigma.
+  /// Of images that are stabilised: the estimate is made with the lag; smoothing enlarges sigma.
   std::optional<ImageLag> image_lag;
   std::optional<ImageSmoothing> image_smoothing;
   std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
