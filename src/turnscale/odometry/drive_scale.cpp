@@ -43,7 +43,8 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   car.yaw_sigma = YawSigma(vehicle, mount);
   car.roll_height = vehicle.roll_height;
   car.roll_height_sigma = vehicle.roll_height_sigma;
-  car.lag_sigma = vehicle.lag_sigma;
+  car.image_lag = vehicle.image_lag;
+  car.image_lag_sigma = vehicle.image_lag_sigma;
   return car;
 }
 

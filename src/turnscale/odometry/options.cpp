@@ -41,7 +41,10 @@ void VehicleOptions::Check() const {
   if (!(roll_height >= 0 && roll_height < 10)) throw InputError("roll_height: has to be from 0 to below 10 m");
   if (!(roll_height_sigma >= 0 && roll_height_sigma < 10))
     throw InputError("roll_height_sigma: has to be from 0 to below 10 m");
-  if (!(lag_sigma >= 0 && lag_sigma < 10)) throw InputError("lag_sigma: has to be from 0 to below 10 s");
+  if (!(std::abs(image_lag) < 10 && (image_lag == 0 || image_lag_sigma > 0)))
+    throw InputError("image_lag: has to be below 10 s, and needs image_lag_sigma above 0");
+  if (!(image_lag_sigma >= 0 && image_lag_sigma < 10))
+    throw InputError("image_lag_sigma: has to be from 0 to below 10 s");
   if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6)) throw InputError("vehicle_from_camera: has to be a rotation");
 }
 

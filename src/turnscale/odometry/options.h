@@ -59,9 +59,9 @@ struct VehicleOptions {
   double roll_height = kUsualRollHeight;  ///< height of the camera above the axis about which the body rolls, metres
                                           ///< (`calibrate` assumes the default)
   double roll_height_sigma = kUsualRollHeightSigma;  ///< its standard deviation, metres
-  /// Standard deviation of the lag of the images' orientation (ImageLag), s. 0: they are not stabilised, as far as is
-  /// known.
-  double lag_sigma = 0;
+  double image_lag = 0;                              ///< of the orientation of stabilised images (ImageLag), s
+  /// Its standard deviation, s. 0: the images are not stabilised, as far as is known.
+  double image_lag_sigma = 0;
 
   /// Standard deviation of the lever arm, metres. 0 without one.
   double LeverArmSigma() const { return lever_arm_sigma.value_or(TapeSigma(lever_arm.value_or(0))); }

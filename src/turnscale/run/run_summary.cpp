@@ -273,7 +273,7 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*summary.car));
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
-  const bool is_known = vehicle.lag_sigma > 0;  // and the lag allowed for
+  const bool is_known = vehicle.image_lag_sigma > 0;  // and the lag allowed for
   if (scale.estimate && (is_known ? scale.estimate->image_smoothing.has_value() : scale.estimate->is_stabilised()))
     warnings.push_back(StabilisationWarning(*scale.estimate));
   if (scale.estimate && scale.estimate->yaw_conflict)

@@ -79,6 +79,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("min_reduction_significance", o.min_reduction_significance);
     visitor.Field("min_scale_change", o.min_scale_change);
     visitor.Field("lag_sigma", o.lag_sigma);
+    visitor.Field("max_lag_sigma", o.max_lag_sigma);
     visitor.Field("min_smoothing", o.min_smoothing);
     visitor.Field("min_smoothing_deviation", o.min_smoothing_deviation);
   });
@@ -117,7 +118,8 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("lever_arm_slip_correlation", o.lever_arm_slip_correlation);
     visitor.Field("roll_height", o.roll_height);
     visitor.Field("roll_height_sigma", o.roll_height_sigma);
-    visitor.Field("lag_sigma", o.lag_sigma);
+    visitor.Field("image_lag", o.image_lag);
+    visitor.Field("image_lag_sigma", o.image_lag_sigma);
   });
   visitor.Group("images", [&] {
     visitor.Field("max_width", settings.images.max_width);

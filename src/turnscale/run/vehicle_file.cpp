@@ -22,6 +22,8 @@ constexpr double kHeightBetweenDrives = 0.01;                  // relative
 constexpr double kYawBetweenDrives = 0.1 / kDegreesPerRadian;  // rad
 constexpr double kPitchBetweenDrives = 0.4 / kDegreesPerRadian;
 constexpr double kRollBetweenDrives = 0.5 / kDegreesPerRadian;
+// A stabiliser adapts to the motion.
+constexpr double kLagBetweenDrives = 0.02;  // s
 
 std::string Line(const char* key, double value, const char* comment = "") {
   return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
@@ -68,7 +70,7 @@ struct KnownCar {
   Measure side_slip;  // s^2/m
   std::optional<Measure> height = {};
   Correlations correlations;
-  double lag_sigma = 0;  // of stabilised images, s
+  std::optional<Measure> lag = {};  // of stabilised images, s
 };
 
 // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
@@ -127,9 +129,10 @@ KnownCar WhatIsKnown(const VehicleOptions& vehicle, const Mount& mount, const Re
     known.height = {*vehicle.camera_height, SigmaOfGiven(*vehicle.camera_height, vehicle.HeightSigma(), scale)};
   }
   known.correlations = Distinct(known.correlations);
-  known.lag_sigma = vehicle.lag_sigma;
-  if (known.lag_sigma == 0 && scale.estimate && scale.estimate->is_stabilised())
-    known.lag_sigma = StabilisationOptions().lag_sigma;
+  if (scale.estimate && scale.estimate->image_lag)
+    known.lag = {scale.estimate->image_lag->found, scale.estimate->image_lag->found_sigma};
+  else if (vehicle.image_lag_sigma > 0)
+    known.lag = {vehicle.image_lag, vehicle.image_lag_sigma};
   return known;
 }
 
@@ -163,7 +166,8 @@ const std::vector<std::string>& VehicleFileKeys() {
                                                 "height_correlation",
                                                 "height_slip_correlation",
                                                 "lever_arm_slip_correlation",
-                                                "lag_sigma",
+                                                "image_lag",
+                                                "image_lag_sigma",
                                                 "vehicle_from_camera_wxyz",
                                                 "confidence",
                                                 "frames",
@@ -203,8 +207,9 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   if (correlations.height_slip)
     text +=
         Line("height_slip_correlation", *correlations.height_slip, "of the errors of the height and of the side slip");
-  if (known.lag_sigma > 0)
-    text += Line("lag_sigma", known.lag_sigma, "the images are stabilised, with a lag of 0 +- this, seconds");
+  if (known.lag)
+    text += Line("image_lag", known.lag->value, "of the orientation of the images, which are stabilised, seconds") +
+            Line("image_lag_sigma", known.lag->sigma);
   return text;
 }
 
@@ -265,7 +270,10 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = share * correlation("height_correlation");
     vehicle.height_slip_correlation = share * correlation("height_slip_correlation");
   }
-  vehicle.lag_sigma = not_negative("lag_sigma", vehicle.lag_sigma);
+  if (map.Has("image_lag")) {
+    vehicle.image_lag = map.Number("image_lag");
+    vehicle.image_lag_sigma = std::hypot(not_negative("image_lag_sigma", 0), kLagBetweenDrives);
+  }
   map.CheckRead(vehicle);
 }
 

@@ -208,14 +208,15 @@ TEST(VehicleFile, WhatWasGivenStays) {
   EXPECT_NEAR(next.camera_height.value(), 1.2, 1e-9);
 }
 
-TEST(VehicleFile, TheNextDriveAllowsForALagOfStabilisedImages) {
-  EXPECT_EQ(ReadText(VehicleFileText({}, {}, LearnedScale())).lag_sigma, 0);
+TEST(VehicleFile, TheNextDriveAllowsForTheLagOfStabilisedImages) {
+  EXPECT_EQ(ReadText(VehicleFileText({}, {}, LearnedScale())).image_lag_sigma, 0);
   RefinedScale stabilised = LearnedScale();
-  stabilised.estimate->image_smoothing.emplace();
+  stabilised.estimate->image_lag = ImageLag{.found = -0.08, .found_sigma = 0.03};
   const VehicleOptions next = ReadText(VehicleFileText({}, {}, stabilised));
-  EXPECT_EQ(next.lag_sigma, StabilisationOptions().lag_sigma);
-  EXPECT_EQ(ReadText(VehicleFileText(next, {}, LearnedScale())).lag_sigma, next.lag_sigma) << "and the one after it";
-  EXPECT_NE(Refused("lag_sigma: -1\n").find("lag_sigma"), std::string::npos);
+  EXPECT_NEAR(next.image_lag, -0.08, 1e-6);
+  EXPECT_NEAR(next.image_lag_sigma, std::hypot(0.03, 0.02), 1e-6);
+  EXPECT_NEAR(ReadText(VehicleFileText(next, {}, {})).image_lag, -0.08, 1e-6) << "a drive without a turn hands it on";
+  EXPECT_NE(Refused("image_lag: 0.1\nimage_lag_sigma: -1\n").find("image_lag_sigma"), std::string::npos);
 }
 
 TEST(VehicleFile, ReadsWhatSimulateWrites) {

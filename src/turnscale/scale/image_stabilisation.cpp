@@ -85,6 +85,7 @@ void StabilisationOptions::Check() const {
   require(min_reduction_significance > 0, "min_reduction_significance: has to be positive");
   require(min_scale_change >= 0, "min_scale_change: must not be negative");
   require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
+  require(max_lag_sigma > 0, "max_lag_sigma: has to be positive");
   require(min_smoothing > 0, "min_smoothing: has to be positive");
   require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");
 }
@@ -100,7 +101,7 @@ std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const Smoothe
                              ReductionSignificance(before.chi_squared, after.chi_squared,
                                                    after.degrees_of_freedom - 1) > options.min_reduction_significance;
   const double least = scatters_less ? options.min_lag_deviation_with_less_scatter : options.min_lag_deviation;
-  if (!(std::abs(lag.found) > least * lag.found_sigma)) return std::nullopt;
+  if (!(lag.found_sigma < options.max_lag_sigma && std::abs(lag.found) > least * lag.found_sigma)) return std::nullopt;
   const double change = after.segments.back().mean[kLogScale] - before.segments.back().mean[kLogScale];
   return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;
 }

@@ -42,6 +42,8 @@ struct StabilisationOptions {
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;
+  /// Largest standard deviation of a lag that is found, s: turns of similar speeds leave it to chance.
+  double max_lag_sigma = 0.05;
   /// Least smoothing, standard deviation of the times, s: transients of the tyres and of the body look like a little of
   /// it.
   double min_smoothing = 0.3;

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/random.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/base/test_seeds.h"
 #include "turnscale/geometry/rotation.h"
@@ -160,7 +161,7 @@ TEST(ImageStabilisation, IsLookedForUnlessDisabled) {
 
 TEST(ImageStabilisation, AKnownStabilisationIsAllowedForFromTheStart) {
   CarPrior car = KnownCar(kCar);
-  car.lag_sigma = 0.2;
+  car.image_lag_sigma = 0.2;
   const StabilisedDrive unstabilised = MakeStabilised(Unstabilised, 0.1);
   const ScaleEstimate unknown = EstimateOf(unstabilised);
   const ScaleEstimate known = EstimateOf(unstabilised, car);
@@ -168,6 +169,45 @@ TEST(ImageStabilisation, AKnownStabilisationIsAllowedForFromTheStart) {
   EXPECT_NEAR(known.image_lag->found, 0, 2 * known.image_lag->found_sigma);
   EXPECT_LT(std::abs(RelativeError(known, unstabilised)), 2 * known.length_sigma);
   EXPECT_GT(known.length_sigma, 1.5 * unknown.length_sigma) << "it has to be found out that there is no lag";
+}
+
+// With what is told of the car wrong by up to two of its standard deviations.
+TEST(ImageStabilisation, TurnsOfOneSpeedAreNeverTakenForALag) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
+  Random random(3);
+  for (int seed = 0; seed < 200; ++seed) {
+    std::vector<StretchOfRoad> road;
+    for (int turn = 0; turn < 2 + seed % 3; ++turn) {
+      road.push_back({20, 0, 4, 8});
+      road.push_back({25, (random.Chance(0.5) ? 3.5 : -3.5) * kDegree, 0.3, 3.2});
+    }
+    road.push_back({20, 0, 4, 8});
+    const double yaw = kEstimatedYawSigma * random.Uniform(-2, 2);
+    const SyntheticSteps drive = MakeSteps(road, kCar, yaw, kUnit, AsStated({}), seed);
+    CarPrior car;
+    car.lever_arm = kCar.length + kTapeSigma * random.Uniform(-2, 2);
+    car.side_slip = std::max(kCar.side_slip + kUsualSideSlipSigma * random.Uniform(-2, 2), 0.0);
+    const ScaleEstimateResult result = EstimateScale(drive.steps, car, {});
+    ASSERT_TRUE(result.estimate) << result.reason;
+    EXPECT_FALSE(result.estimate->image_lag) << seed;
+  }
+}
+
+TEST(ImageStabilisation, TheLagOfAnEarlierDriveServesTurnsOfOneSpeed) {
+  std::vector<StretchOfRoad> road;
+  for (const double side : {1.0, -1.0}) {
+    road.push_back({20, 0, 4, 8});
+    road.push_back({25, side * 3.5 * kDegree, 0.5, 6});
+  }
+  road.push_back({20, 0, 4, 8});
+  const SyntheticSteps drive = MakeSteps(road, kCar, 0, kUnit, {.direction = 0.2 * kDegree, .lag = 0.1});
+  CarPrior car = KnownCar(kCar);
+  car.image_lag = 0.11;
+  car.image_lag_sigma = 0.02;
+  const ScaleEstimateResult result = EstimateScale(drive.steps, car, {});
+  ASSERT_TRUE(result.estimate) << result.reason;
+  EXPECT_LT(std::abs(Metres(*result.estimate) / drive.metres - 1), 2 * result.estimate->length_sigma);
+  EXPECT_LT(std::abs(Metres(*result.estimate) / drive.metres - 1), 0.08);
 }
 
 TEST(ImageStabilisation, NeedsTimes) {
@@ -263,6 +303,7 @@ TEST(StabilisationOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.min_reduction_significance = 0; }), "min_reduction_significance");
   EXPECT_EQ(refused([](auto& o) { o.min_scale_change = -1; }), "min_scale_change");
   EXPECT_EQ(refused([](auto& o) { o.lag_sigma = 0; }), "lag_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.max_lag_sigma = 0; }), "max_lag_sigma");
   EXPECT_EQ(refused([](auto& o) { o.min_smoothing = 0; }), "min_smoothing");
   EXPECT_EQ(refused([](auto& o) { o.min_smoothing_deviation = 0; }), "min_smoothing_deviation");
 }

@@ -43,7 +43,7 @@ double BestSigma(const std::vector<ScaleBelief>& smoothed) {
 DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
   DriveState state = PriorBelief(car, 0).mean;
   if (car.yaw_sigma > options.max_given_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
-  if (car.lag_sigma > 0) state[kLag] = smoothed.segments.back().mean[kLag];
+  if (car.image_lag_sigma > 0) state[kLag] = smoothed.segments.back().mean[kLag];
   return state;
 }
 
@@ -102,7 +102,7 @@ bool IsWithinSigma(const HeightConflict& conflict) {
 }
 
 CarPrior WithLag(CarPrior car, const ScaleEstimatorOptions& options) {
-  car.lag_sigma = options.stabilisation.lag_sigma;
+  car.image_lag_sigma = options.stabilisation.lag_sigma;
   return car;
 }
 
@@ -217,7 +217,7 @@ ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const Car
   ScaleEstimateResult result = EstimateFrom(evidence, freed, options);
   if (!result.estimate) return result;
   // A lag changes the direction of travel in turns, too: the yaw may be as given.
-  if (result.estimate->image_lag && car.lag_sigma == 0) return EstimateWithLag(evidence, car, options);
+  if (result.estimate->image_lag && car.image_lag_sigma == 0) return EstimateWithLag(evidence, car, options);
   const CarRefinement& found = result.estimate->car;
   result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
   // So far off, lateral and forward motion are confused, and the yaw that fits best may be far from right, too.
@@ -246,7 +246,7 @@ std::optional<SmoothedDrive> SmoothedWithoutHeight(const DriveEvidence& evidence
 // its own.
 bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
               const ScaleEstimatorOptions& options) {
-  if (!options.stabilisation.enabled || car.lag_sigma > 0 || !car.knows_lever_arm()) return false;
+  if (!options.stabilisation.enabled || car.image_lag_sigma > 0 || !car.knows_lever_arm()) return false;
   const DriveState& start = drive.car.mean;
   const auto without = car.knows_height() ? SmoothedWithoutHeight(evidence, car, start, options) : drive;
   const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), start, options);
@@ -305,7 +305,7 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
   const ScaleBelief& last = estimate.smoothed.back();
-  if (car.lag_sigma > 0) estimate.image_lag = ImageLag{last.mean[kLag], last.Sigma(kLag)};
+  if (car.image_lag_sigma > 0) estimate.image_lag = ImageLag{last.mean[kLag], last.Sigma(kLag)};
   const bool slip_at_bound = car.side_slip_sigma > 0 && drive.side_slip() < 0;
   estimate.car = DescribeCar(last, car, slip_at_bound, max_height_sigma);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};

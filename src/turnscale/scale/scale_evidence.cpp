@@ -77,7 +77,9 @@ void CarPrior::Check() const {
       "car.height_correlation, car.height_slip_correlation, car.lever_arm_slip_correlation: errors cannot correlate "
       "like this");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
-  require(lag_sigma >= 0 && lag_sigma < 10, "car.lag_sigma: has to be from 0 to below 10 s");
+  require(std::abs(image_lag) < 10 && (image_lag == 0 || image_lag_sigma > 0),
+          "car.image_lag: has to be below 10 s, and needs a standard deviation");
+  require(image_lag_sigma >= 0 && image_lag_sigma < 10, "car.image_lag_sigma: has to be from 0 to below 10 s");
   require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
   require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");
 }

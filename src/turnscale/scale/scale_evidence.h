@@ -53,7 +53,8 @@ struct CarPrior {
   double side_slip = kUsualSideSlip;                 ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;      ///< 0 where c is known exactly
   double yaw_sigma = kEstimatedYawSigma;             ///< of the yaw error of Q, rad
-  double lag_sigma = 0;                              ///< of the lag of the camera's orientation, s; 0: there is none
+  double image_lag = 0;                              ///< of the orientation of stabilised images (ImageLag), s
+  double image_lag_sigma = 0;                        ///< s; 0: there is no lag
   double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
   double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
   /// H: height of the camera above the road, metres. 0: not known; estimated in turns.

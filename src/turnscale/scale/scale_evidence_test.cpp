@@ -357,7 +357,8 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
   EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
   EXPECT_EQ(refused([](auto& c) { c.yaw_sigma = 0; }), "car.yaw_sigma");
-  EXPECT_EQ(refused([](auto& c) { c.lag_sigma = -1; }), "car.lag_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.image_lag_sigma = -1; }), "car.image_lag_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.image_lag = 0.1; }), "car.image_lag");
   EXPECT_EQ(refused([](auto& c) { c.roll_height = -1; }), "car.roll_height");
   EXPECT_EQ(refused([](auto& c) { c.roll_height_sigma = 10; }), "car.roll_height_sigma");
   EXPECT_EQ(refused([](auto& c) { c.camera_height = -1; }), "car.camera_height");

@@ -86,11 +86,11 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
   const bool arm = car.knows_lever_arm();
   const bool height = car.knows_height();
   ScaleBelief prior;
-  prior.mean << log_scale, 0, car.side_slip, 0, std::log(arm ? car.lever_arm : kUsualLeverArm), car.roll_height,
-      std::log(height ? car.camera_height : kUsualHeight), 0;
+  prior.mean << log_scale, 0, car.side_slip, car.image_lag, std::log(arm ? car.lever_arm : kUsualLeverArm),
+      car.roll_height, std::log(height ? car.camera_height : kUsualHeight), 0;
   DriveState sigmas;
   sigmas << kPriorLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-      std::max(car.lag_sigma, kLeastSigma), arm ? relative(car.lever_arm_sigma, car.lever_arm) : kUnknownLogSigma,
+      std::max(car.image_lag_sigma, kLeastSigma), arm ? relative(car.lever_arm_sigma, car.lever_arm) : kUnknownLogSigma,
       std::max(car.roll_height_sigma, kLeastSigma),
       height ? relative(car.camera_height_sigma, car.camera_height) : kUnknownLogSigma, 1;
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
