@@ -52,7 +52,8 @@ std::string StabilisationWarning(const ScaleEstimate& estimate) {
         "they begin to turn before the car does, and turn on after it, by which the scale may be off by {:.0f} % or "
         "more; ",
         100 * smoothing->scale_error);
-  return text + "record without image stabilisation";
+  return text +
+         "record without image stabilisation, or give the measured height of the camera instead of the lever arm";
 }
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {

@@ -67,7 +67,7 @@ TEST(StabilisationWarning, SaysHowTheImagesMove) {
   estimate.image_smoothing = ImageSmoothing{.variance = 0.25, .variance_sigma = 0.02, .scale_error = 0.08};
   const std::string smoothed =
       "they begin to turn before the car does, and turn on after it, by which the scale may be off by 8 % or more; "
-      "record without image stabilisation";
+      "record without image stabilisation, or give the measured height of the camera instead of the lever arm";
   EXPECT_EQ(StabilisationWarning(estimate), "the images seem to be stabilised: " + smoothed);
   estimate.image_lag = ImageLag{.found = 0.15, .found_sigma = 0.03};
   EXPECT_EQ(StabilisationWarning(estimate),
