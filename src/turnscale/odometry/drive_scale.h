@@ -67,8 +67,8 @@ class DriveScale {
   /// Keyframe up to which the keyframes were adjusted when the last used turn ended; 0 before the first.
   int last_turn_end() const { return last_turn_end_; }
 
-  /// The smoother over all keyframes of the map. `has_known_errors`: of the steps, beyond their noise. Then single-turn
-  /// scales are used, and no stabilisation is looked for.
+  /// The smoother over all keyframes of the map. `has_known_errors`: the steps have errors beyond their noise, as from
+  /// a contradicted calibration. Then single-turn scales are used, and no stabilisation is looked for.
   RefinedScale Refine(const Map& map, bool has_known_errors = false) const;
 
  private:

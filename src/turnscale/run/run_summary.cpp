@@ -263,6 +263,17 @@ std::string SidewaysWarning(const RunSummary& summary) {
       yaw);
 }
 
+// Images that are known to be stabilised. The drive may not show that they no longer are.
+std::string KnownLagWarning(const VehicleOptions& vehicle, const RefinedScale& scale) {
+  std::string text = fmt::format("the images are taken to be stabilised, with a lag of {:+.2f} +-{:.2f} s",
+                                 vehicle.image_lag, vehicle.image_lag_sigma);
+  if (scale.estimate && scale.estimate->image_lag)
+    text += fmt::format(" before and {:+.2f} +-{:.2f} s after this drive", scale.estimate->image_lag->found,
+                        scale.estimate->image_lag->found_sigma);
+  return text +
+         ": without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings";
+}
+
 // What the drive says of the car against what was given or is usual.
 std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary& summary) {
   std::vector<std::string> warnings;
@@ -273,8 +284,9 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*summary.car));
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
-  const bool is_known = vehicle.image_lag_sigma > 0;  // and the lag allowed for
-  if (scale.estimate && (is_known ? scale.estimate->image_smoothing.has_value() : scale.estimate->is_stabilised()))
+  if (vehicle.image_lag_sigma > 0)
+    warnings.push_back(KnownLagWarning(vehicle, scale));
+  else if (scale.estimate && scale.estimate->is_stabilised())
     warnings.push_back(StabilisationWarning(*scale.estimate));
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));

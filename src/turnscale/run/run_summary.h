@@ -156,8 +156,8 @@ struct RunSummary {
   int turns_used = 0;
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
-  std::optional<ImageLag> image_lag;              ///< of stabilised images, if the turns show it
-  std::optional<ImageSmoothing> image_smoothing;  ///< likewise
+  std::optional<ImageLag> image_lag;              ///< of stabilised images, by the turns or known beforehand
+  std::optional<ImageSmoothing> image_smoothing;  ///< of stabilised images, if the turns show it
   std::optional<UncertainScale> uncertain_scale;  ///< parts of the path whose scale is hardly known
   bool is_upside_down = false;                    ///< the images, by the road that they show
   std::optional<FrameBlending> blending;          ///< of the images, if there is any

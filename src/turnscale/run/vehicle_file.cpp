@@ -129,10 +129,9 @@ KnownCar WhatIsKnown(const VehicleOptions& vehicle, const Mount& mount, const Re
     known.height = {*vehicle.camera_height, SigmaOfGiven(*vehicle.camera_height, vehicle.HeightSigma(), scale)};
   }
   known.correlations = Distinct(known.correlations);
-  if (scale.estimate && scale.estimate->image_lag)
+  if (vehicle.image_lag_sigma > 0) known.lag = {vehicle.image_lag, vehicle.image_lag_sigma};
+  if (scale.estimate && scale.estimate->image_lag && scale.estimate->agrees())
     known.lag = {scale.estimate->image_lag->found, scale.estimate->image_lag->found_sigma};
-  else if (vehicle.image_lag_sigma > 0)
-    known.lag = {vehicle.image_lag, vehicle.image_lag_sigma};
   return known;
 }
 
@@ -270,8 +269,9 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = share * correlation("height_correlation");
     vehicle.height_slip_correlation = share * correlation("height_slip_correlation");
   }
-  if (map.Has("image_lag")) {
-    vehicle.image_lag = map.Number("image_lag");
+  if (map.Has("image_lag") && !map.Has("image_lag_sigma")) map.Reject("image_lag", "needs image_lag_sigma");
+  if (map.Has("image_lag_sigma")) {
+    vehicle.image_lag = map.Has("image_lag") ? map.Number("image_lag") : 0.0;
     vehicle.image_lag_sigma = std::hypot(not_negative("image_lag_sigma", 0), kLagBetweenDrives);
   }
   map.CheckRead(vehicle);

@@ -215,6 +215,10 @@ TEST(VehicleFile, TheNextDriveAllowsForTheLagOfStabilisedImages) {
   const VehicleOptions next = ReadText(VehicleFileText({}, {}, stabilised));
   EXPECT_NEAR(next.image_lag, -0.08, 1e-6);
   EXPECT_NEAR(next.image_lag_sigma, std::hypot(0.03, 0.02), 1e-6);
+  EXPECT_EQ(ReadText("image_lag_sigma: 0.2\n").image_lag, 0);
+  EXPECT_NE(Refused("image_lag: 0.1\n").find("needs image_lag_sigma"), std::string::npos);
+  stabilised.estimate->is_doubtful = true;
+  EXPECT_EQ(ReadText(VehicleFileText({}, {}, stabilised)).image_lag_sigma, 0) << "as from a converted video";
   EXPECT_NEAR(ReadText(VehicleFileText(next, {}, {})).image_lag, -0.08, 1e-6) << "a drive without a turn hands it on";
   EXPECT_NE(Refused("image_lag: 0.1\nimage_lag_sigma: -1\n").find("image_lag_sigma"), std::string::npos);
 }

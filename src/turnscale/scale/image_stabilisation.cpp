@@ -30,14 +30,15 @@ struct SmoothedStep {
 
 double YawRate(const VehicleStep& step) { return step.motion.psi / step.duration; }
 
-// What the model of the car leaves of the lateral displacement of a step. Behind a lag, the car has already turned on.
+// What the model of the car leaves of the lateral displacement of a step, to second order in the lag: the images show
+// the yaw that the car had this much earlier.
 double LateralResidual(const VehicleStep& step, double acceleration, const DriveState& state) {
   const double scale = std::exp(state[kLogScale]);
-  const double lever_arm = std::exp(state[kLogLeverArm]) / scale - state[kSlip] * scale * step.signed_square_speed() +
-                           state[kLag] * step.signed_speed();
-  const double swing = step.swing() + state[kLag] * acceleration * step.duration;
-  return step.lateral() - lever_arm * swing - state[kRollHeight] / scale * step.roll -
-         state[kDirection] * step.forward();
+  const double lever_arm = std::exp(state[kLogLeverArm]) / scale - state[kSlip] * scale * step.signed_square_speed();
+  const double turned_since = state[kLag] * acceleration * step.duration;
+  return step.lateral() - lever_arm * (step.swing() + turned_since) -
+         state[kLag] * step.signed_speed() * (step.swing() + 0.5 * turned_since) -
+         state[kRollHeight] / scale * step.roll - state[kDirection] * step.forward();
 }
 
 std::vector<SmoothedStep> SmoothedSteps(std::span<const VehicleStep> steps, const std::vector<PathSegment>& segments,
@@ -95,14 +96,14 @@ std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const Smoothe
   if (!with.converged) return std::nullopt;
   const SmoothedScale& before = without.smoothed;
   const SmoothedScale& after = with.smoothed;
-  const ImageLag lag{with.car.mean[kLag],
-                     InflationOf(after.chi_squared, after.degrees_of_freedom) * with.car.Sigma(kLag)};
+  const ScaleBelief& last = after.segments.back();
+  const ImageLag lag{last.mean[kLag], InflationOf(after.chi_squared, after.degrees_of_freedom) * last.Sigma(kLag)};
   const bool scatters_less = before.degrees_of_freedom == after.degrees_of_freedom &&
                              ReductionSignificance(before.chi_squared, after.chi_squared,
                                                    after.degrees_of_freedom - 1) > options.min_reduction_significance;
   const double least = scatters_less ? options.min_lag_deviation_with_less_scatter : options.min_lag_deviation;
   if (!(lag.found_sigma < options.max_lag_sigma && std::abs(lag.found) > least * lag.found_sigma)) return std::nullopt;
-  const double change = after.segments.back().mean[kLogScale] - before.segments.back().mean[kLogScale];
+  const double change = last.mean[kLogScale] - before.segments.back().mean[kLogScale];
   return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;
 }
 

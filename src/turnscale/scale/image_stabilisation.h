@@ -22,7 +22,7 @@ struct ImageLag {
 /// Smoothing of images that electronic stabilisation turns to a mean of orientations before and after each: the images
 /// begin to turn before the car does, and turn on after it.
 struct ImageSmoothing {
-  double variance = 0;        ///< of the times over which the mean is taken, less the square of a lag, s^2
+  double variance = 0;        ///< of the times over which the mean is taken, s^2
   double variance_sigma = 0;  ///< standard deviation of `variance`, s^2, without the errors that steps of a turn share
   /// Relative error of a scale from turns, to first order, at even speed: in the images, turns are slower.
   double scale_error = 0;
@@ -42,7 +42,7 @@ struct StabilisationOptions {
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;
-  /// Largest standard deviation of a lag that is found, s: turns of similar speeds leave it to chance.
+  /// Largest standard deviation of a lag that is found, s. Turns of similar speeds give a larger one.
   double max_lag_sigma = 0.05;
   /// Least smoothing, standard deviation of the times, s: transients of the tyres and of the body look like a little of
   /// it.

@@ -257,7 +257,7 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
   return FindImageLag(*without, *with, options.stabilisation).has_value();
 }
 
-// With a lag that the prior does not hold, as the drive shows one.
+// With a wide prior of the lag, as the turns show one.
 ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
                                     const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result = EstimateFrom(evidence, WithLag(car, options), options);

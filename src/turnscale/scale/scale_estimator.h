@@ -90,7 +90,8 @@ struct ScaleEstimate {
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
   std::optional<SlipConflict> slip_conflict;
-  /// Of images that are stabilised: the estimate is made with the lag; smoothing enlarges sigma.
+  /// Of images that are stabilised, by the turns or as known beforehand: the estimate is made with the lag; smoothing
+  /// enlarges sigma.
   std::optional<ImageLag> image_lag;
   std::optional<ImageSmoothing> image_smoothing;
   std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
@@ -104,10 +105,11 @@ struct ScaleEstimate {
 
   bool is_stabilised() const { return image_lag || image_smoothing; }
 
+  /// The joint estimate is used, and nothing contradicts it.
+  bool agrees() const { return converged && !uses_single_turns && !height_conflict && !slip_conflict && !is_doubtful; }
+
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
-  bool has_reliable_car() const {
-    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !is_stabilised() && !is_doubtful;
-  }
+  bool has_reliable_car() const { return agrees() && !is_stabilised(); }
 };
 
 /// The estimate, or in one line why there is none.
@@ -130,6 +132,7 @@ struct ScaleEstimateResult {
 ///   lag        where the turns show that the images are stabilised with a lag, all is estimated again with one
 ///   certainty  no estimate where even the smallest sigma exceeds max_sigma
 ///   test       the single-turn scales jointly against the estimate (TurnTest); sigma covers their scatter
+///   smoothing  where turns begin before the car turns, sigma covers what this does to the scale (FindImageSmoothing)
 ///   height     a given height that is in conflict with the turns widens sigma, or is left out if the turns contradict
 ///              each other with it only
 ///   fallback   single-turn scales where the test has failed (UseSingleTurns); sigma covers their spread
