@@ -459,6 +459,28 @@ TEST(RunSummary, WarnsOfACameraTooLowOrTooHighForACar) {
   EXPECT_TRUE(warnings(2.8, 2.8).empty()) << "a lorry's";
 }
 
+TEST(RunSummary, WarnsOfStabilisedImages) {
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  RunSummary summary;
+  Summarize(Frames(5, 1), scale, summary);
+  EXPECT_TRUE(summary.warnings.empty());
+  scale.estimate->image_lag = ImageLag{.found = 0.1, .found_sigma = 0.02};
+  RunSummary found;
+  Summarize(Frames(5, 1), scale, found);
+  ASSERT_EQ(found.warnings.size(), 1u);
+  EXPECT_TRUE(found.warnings[0].starts_with("the images seem to be stabilised: in turns their orientation lags"));
+  RunSummary known;
+  known.vehicle.image_lag = 0.12;
+  known.vehicle.image_lag_sigma = 0.03;
+  Summarize(Frames(5, 1), scale, known);
+  ASSERT_EQ(known.warnings.size(), 1u);
+  EXPECT_EQ(
+      known.warnings[0],
+      "the images are taken to be stabilised, with a lag of +0.12 +-0.03 s before and +0.10 +-0.02 s after this "
+      "drive: without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings");
+}
+
 TEST(RunSummary, NamesAYawOfAnEarlierDriveThatIsNotUsed) {
   const auto warnings = [](double found_deg, bool known, int moves) {
     RunSummary summary;
