@@ -21,8 +21,8 @@ constexpr int kFurtherIterations = 5;
 constexpr int kMostRounds = 10;  // of a window
 // Of a window's information that counts: windows overlap by half, so that most observations are in two.
 constexpr double kShareOfWindow = 0.5;
-// Noise of the images multiplies the variance between windows by less than this. What is beyond it comes from single
-// windows that are wrong, which must not hide a real correction.
+// Noise of the images multiplies the variance between windows by about this at most. A far larger factor comes from
+// single windows that are wrong, which must not hide a real correction.
 constexpr double kMostScatter = 4;
 // In standard deviations; a smaller step is not measured again.
 constexpr double kNegligibleStep = 0.3;
