@@ -20,6 +20,7 @@ RECORDED = {
     "torcs_dirt3_uturn": ("video.mkv", 1.5, 0.0084),
     "torcs_alpine1_r3p5y12": ("video.mkv", 1.7, 0.0060),
 }
+KITTI_HEIGHT = 1.65  # of its camera above the road, metres, according to the data set's page
 
 
 def fail(message):
@@ -181,6 +182,14 @@ def cached(file, made_of, make):
 
 def cell(value, digits=1, sign=False):
     return "" if value is None else f"{value:{'+' if sign else ''}.{digits}f}"
+
+
+def path_cell(score):
+    """Error of the path's length and its stated sigma; bold where it is above two of them."""
+    if score["path_percent"] is None:
+        return "no metres"
+    text = f"{cell(score['path_percent'], sign=True)} / {cell(score['sigma_percent'])}"
+    return f"**{text}**" if is_outside(score) else text
 
 
 def table(header, rows):

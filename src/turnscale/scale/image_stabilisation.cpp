@@ -91,20 +91,19 @@ void StabilisationOptions::Check() const {
   require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");
 }
 
-std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const SmoothedDrive& with,
-                                     const StabilisationOptions& options) {
-  if (!with.converged) return std::nullopt;
+bool LagCounts(const SmoothedDrive& without, const SmoothedDrive& with, const StabilisationOptions& options) {
+  if (!with.converged) return false;
   const SmoothedScale& before = without.smoothed;
   const SmoothedScale& after = with.smoothed;
   const ScaleBelief& last = after.segments.back();
-  const ImageLag lag{last.mean[kLag], InflationOf(after.chi_squared, after.degrees_of_freedom) * last.Sigma(kLag)};
+  const double sigma = InflationOf(after.chi_squared, after.degrees_of_freedom) * last.Sigma(kLag);
   const bool scatters_less = before.degrees_of_freedom == after.degrees_of_freedom &&
                              ReductionSignificance(before.chi_squared, after.chi_squared,
                                                    after.degrees_of_freedom - 1) > options.min_reduction_significance;
   const double least = scatters_less ? options.min_lag_deviation_with_less_scatter : options.min_lag_deviation;
-  if (!(lag.found_sigma < options.max_lag_sigma && std::abs(lag.found) > least * lag.found_sigma)) return std::nullopt;
+  if (!(sigma < options.max_lag_sigma && std::abs(last.mean[kLag]) > least * sigma)) return false;
   const double change = last.mean[kLogScale] - before.segments.back().mean[kLogScale];
-  return std::abs(change) > options.min_scale_change ? std::optional(lag) : std::nullopt;
+  return std::abs(change) > options.min_scale_change;
 }
 
 std::optional<ImageSmoothing> FindImageSmoothing(std::span<const VehicleStep> all_steps,

@@ -54,9 +54,8 @@ struct StabilisationOptions {
   void Check() const;
 };
 
-/// The lag of an estimate with one (`with`), if it counts beside the estimate without (`without`).
-std::optional<ImageLag> FindImageLag(const SmoothedDrive& without, const SmoothedDrive& with,
-                                     const StabilisationOptions& options);
+/// Whether the lag of an estimate with one (`with`) counts, beside the estimate without (`without`).
+bool LagCounts(const SmoothedDrive& without, const SmoothedDrive& with, const StabilisationOptions& options);
 
 /// The smoothing that the steps of a drive show, if it counts. `states` has one estimate per segment; `sigma_theta` is
 /// the least standard deviation of a step's direction of travel, rad.

@@ -23,9 +23,7 @@ namespace turnscale {
 namespace {
 
 CarPrior KnownCar(const LeverArm& car) {
-  CarPrior prior;
-  prior.lever_arm = car.length;
-  prior.side_slip = car.side_slip;
+  CarPrior prior = PriorOf(car);
   prior.side_slip_sigma = 0.1 * car.side_slip;
   return prior;
 }

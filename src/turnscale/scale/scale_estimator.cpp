@@ -254,7 +254,7 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
   const double most_slip = options.test.max_prior_deviation;
   if (TurnsAgree(*without, options.test) && SlipDeviation(*without, car) > most_slip) return false;
   if (!TurnsAgree(*with, options.test) || std::abs(SlipDeviation(*with, car)) > most_slip) return false;
-  return FindImageLag(*without, *with, options.stabilisation).has_value();
+  return LagCounts(*without, *with, options.stabilisation);
 }
 
 // With a wide prior of the lag, as the turns show one.

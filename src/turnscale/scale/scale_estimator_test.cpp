@@ -17,13 +17,6 @@
 namespace turnscale {
 namespace {
 
-CarPrior PriorOf(const LeverArm& car) {
-  CarPrior prior;
-  prior.lever_arm = car.length;
-  prior.side_slip = car.side_slip;
-  return prior;
-}
-
 /// As little unknown as can be.
 CarPrior Exactly(const LeverArm& car) {
   CarPrior prior = PriorOf(car);

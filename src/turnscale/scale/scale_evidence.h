@@ -81,8 +81,7 @@ enum DriveUnknown {
   kLogScale,   ///< ln(lambda), metres per odometry unit
   kDirection,  ///< direction of travel on straights according to Q, rad, positive to the right: minus Q's yaw error
   kSlip,       ///< c, s^2/m
-  /// Time by which the orientation of the images lags behind the car's, s: of image stabilisation. Negative where it
-  /// looks ahead.
+  /// Time by which the orientation of stabilised images lags behind the car's, s; negative if it is ahead.
   kLag,
   kLogLeverArm,  ///< ln(L), L in metres
   kRollHeight,   ///< h, metres

@@ -8,6 +8,14 @@
 
 namespace turnscale {
 
+/// A prior of this car, with the usual standard deviations.
+inline CarPrior PriorOf(const LeverArm& car) {
+  CarPrior prior;
+  prior.lever_arm = car.length;
+  prior.side_slip = car.side_slip;
+  return prior;
+}
+
 /// Differences from the model as large as they are taken to be.
 inline DriveErrors AsStated(const ScaleEstimatorOptions& options) {
   return {.direction = options.evidence.line.sigma_theta,
