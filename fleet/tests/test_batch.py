@@ -13,6 +13,11 @@ import tempfile
 import time
 import unittest
 
+from turnscale_batch.attempt import run_task
+from turnscale_batch.batch import Batch, BatchOptions
+from turnscale_batch.manifest import read_manifest
+from turnscale_batch.store import Store
+
 HERE = pathlib.Path(__file__).resolve().parent
 BATCH = [sys.executable, str(HERE.parent / "turnscale_batch")]
 FAKE = str(HERE / "fake_turnscale.py")
@@ -186,6 +191,17 @@ class Batches(unittest.TestCase):
         self.assertIn("a second call does what is left", said)
         self.assertEqual(self.table()[names[0]]["exit_code"], "0")
         wait_until(lambda: not processes_with(str(self.out)))
+
+    def test_a_result_whose_record_did_not_arrive_is_in_the_table(self):
+        self.manifest(["sleep-0-a", "sleep-0-b"])
+        store = Store(self.out)
+        batch = Batch(read_manifest(self.folder / "drives.csv"), store, BatchOptions(FAKE))
+        run_task(batch.first_tasks()[0])
+        batch.settle()
+        batch.write_table()
+        rows = self.table()
+        self.assertEqual((rows["sleep-0-a"]["exit_code"], rows["sleep-0-a"]["length_m"]), ("0", "12.500"))
+        self.assertEqual(rows["sleep-0-b"]["error"], "not run yet")
 
     def test_help_needs_no_packages(self):
         for words, code in ((["--help"], 0), (["--no-such-option"], 2)):

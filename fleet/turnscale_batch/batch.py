@@ -129,6 +129,10 @@ class Batch:
     def settle(self):
         """At the end, drives that have no second pass any more have the results of their first. Where a second pass is
         left out or left to do, the results of an earlier one stay."""
+        for drive in self.drives:
+            # Its worker may have ended just before an interruption, and its record been on its way.
+            if drive.name not in self.records and (record := self._store.finished(drive, drive.key())):
+                self.records[drive.name] = record
         for name, record in self.records.items():
             if record["exit_code"] == 0 and record["pass"] == 1:
                 if self._options.second_pass and (name, 2) not in self._left:
