@@ -9,9 +9,9 @@
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
-#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Joint estimates of synthetic drives whose car is known."""
 import math
+import pathlib
+import tempfile
 import unittest
 
 import numpy as np
@@ -207,6 +209,20 @@ class Intrinsic(unittest.TestCase):
         self.assertEqual(self.doubts((1226, 370), (1226, 370)), [])
         self.assertIn("different sizes", self.doubts((1226, 370), (1242, 375))[0])
         self.assertEqual(self.doubts((1226, 370), (1242, 375), calibrated=True), [])
+
+
+class CarFile(unittest.TestCase):
+    def test_keeps_the_lag_of_stabilised_images(self):
+        with tempfile.TemporaryDirectory() as folder:
+            own = pathlib.Path(folder) / "car.yaml"
+            own.write_text("image_lag: 0.1\nimage_lag_sigma: 0.02\n")
+            draw = np.random.default_rng(1)
+            truth = random_car(draw)
+            drives = [DriveEstimates(Drive(str(i), (), "golf", (("--vehicle", str(own)),)),
+                                     evidence_of(*random_likelihood(truth, draw)), has_arm=True) for i in range(2)]
+            files, _ = Vehicle("golf", drives).joint_files(drives[0].drive)
+        self.assertEqual([option for option, _, _ in files], ["--vehicle"])
+        self.assertIn("image_lag: 0.1\nimage_lag_sigma: 0.02\n", files[0][2])
 
 
 class Moved(unittest.TestCase):

@@ -93,6 +93,14 @@ class Manifest(unittest.TestCase):
         self.assertEqual(one.key(), threads.key(), "threads do not change the result")
         self.assertNotEqual(one.key(), one.key("car"))
 
+    def test_the_contents_of_files_count(self):
+        camera = self.folder / "camera.yaml"
+        camera.write_text("fx: 700")
+        key = self.read("drive,input,camera\na,x,camera.yaml\n")[0].key()
+        self.assertEqual(self.read("drive,input,camera\na,x,camera.yaml\n")[0].key(), key)
+        camera.write_text("fx: 701")
+        self.assertNotEqual(self.read("drive,input,camera\na,x,camera.yaml\n")[0].key(), key)
+
     def test_every_column_is_known(self):
         self.assertEqual(len(COLUMNS), len(set(COLUMNS)))
 

@@ -27,15 +27,23 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"batch: {message}; see turnscale batch --help")
 
 
+def _number(text, kind):
+    try:
+        return kind(text)
+    except ValueError:
+        what = "whole number" if kind is int else "number"
+        raise argparse.ArgumentTypeError(f"'{text}': has to be a {what}") from None
+
+
 def _seconds(text):
-    value = float(text)
+    value = _number(text, float)
     if not (math.isfinite(value) and value > 0):
         raise argparse.ArgumentTypeError(f"'{text}': has to be a positive number of seconds")
     return value
 
 
 def _count(text):
-    value = int(text)
+    value = _number(text, int)
     if value < 1:
         raise argparse.ArgumentTypeError(f"'{text}': give at least 1")
     return value

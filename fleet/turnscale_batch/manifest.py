@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import difflib
+import functools
 import hashlib
 import json
 import math
@@ -28,8 +29,15 @@ SEPARATOR = ";"
 YES, NO = ("1", "yes", "true"), ("", "0", "no", "false")
 # Options that do not change the result.
 WITHOUT_EFFECT = ("--threads",)
+MOST_BYTES = 1 << 24  # of a file whose contents count
+
+
+def option_name(column):
+    return "--vehicle" if column == VEHICLE_FILE else "--" + column.replace("_", "-")
+
+
 # Options whose value is a file, also where its name is a number.
-FILES = ("--camera", "--vehicle")
+FILES = tuple(option_name(column) for column in (VEHICLE_FILE, *PATHS))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,13 +72,17 @@ class Drive:
         return words
 
     def key(self, *more):
-        """Changes when the row, or one of the texts in `more`, does."""
+        """Changes when the row, a file that its options name, or one of the texts in `more` does."""
         options = [pair for pair in self.options if pair[0] not in WITHOUT_EFFECT]
-        return hashlib.sha256(json.dumps([self.inputs, options, more]).encode()).hexdigest()[:16]
+        parts = [self.inputs, options, more, *([self._contents] if self._contents else [])]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
-
-def option_name(column):
-    return "--vehicle" if column == VEHICLE_FILE else "--" + column.replace("_", "-")
+    @functools.cached_property
+    def _contents(self):
+        """Hashes of the files that options name, but of large ones: images are taken not to change."""
+        paths = [pathlib.Path(value) for option, value in self.options if option in FILES]
+        return [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths
+                if path.is_file() and path.stat().st_size <= MOST_BYTES]
 
 
 class _Row:

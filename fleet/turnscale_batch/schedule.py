@@ -15,7 +15,7 @@ import distributed
 import psutil
 
 from . import attempt
-from .errors import BatchError
+from .errors import BatchError, InputError
 
 TICK = 1.0  # seconds
 MOST_SUBMISSIONS = 20
@@ -31,7 +31,9 @@ async def _block_interrupts():
 def _client_of(address):
     try:
         return distributed.Client(address, timeout="15s")
-    except (OSError, ValueError) as error:
+    except ValueError as error:
+        raise InputError(f"--scheduler {address}: {error}; give an address such as tcp://host:8786") from error
+    except OSError as error:
         raise BatchError(f"--scheduler {address}: cannot be reached: {error or type(error).__name__}") from error
 
 

@@ -3,8 +3,10 @@
 import csv
 import io
 import math
+import pathlib
 
 import numpy as np
+import yaml
 
 from .evidence import ARM, HEIGHT, PITCH_BETWEEN, ROLL_BETWEEN, SLIP, SLIP_BETWEEN, YAW
 from .intrinsics import are_of_one_camera, joint_intrinsics
@@ -52,6 +54,15 @@ def _angles(estimates, without=None):
 
 def _line(key, value):
     return f"{key}: {value:.8g}\n"
+
+
+def _image_lag(path):
+    """Of the images, which are stabilised, as a file for `run --vehicle` has it: drives do not tell it jointly."""
+    try:
+        values = yaml.safe_load(pathlib.Path(path).read_text(encoding="utf-8")) if path else {}
+        return "".join(_line(key, float(values[key])) for key in ("image_lag", "image_lag_sigma") if key in values)
+    except (OSError, yaml.YAMLError, TypeError, ValueError):
+        return ""  # run itself says what is wrong with the file
 
 
 class Vehicle:
@@ -125,6 +136,8 @@ class Vehicle:
         slip = max(joint.mean[SLIP], 0.0)
         slip_sigma = math.hypot(joint.sigma(SLIP), SLIP_BETWEEN * slip)
         text += _line("side_slip", slip) + _line("side_slip_sigma", slip_sigma)
+        if self._knows_position(i):
+            text += _image_lag(own.drive.option("--vehicle"))
         if not self._knows_position(i):
             return text
         angles = _angles(self._at(self.positions[i]), without=own)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -202,8 +203,10 @@ class DriveReader {
  public:
   explicit DriveReader(const py::dict& given) : arguments_(RunArgumentsFrom(given).images) {
     CheckImageArguments(arguments_);
-    const py::gil_scoped_release release;
-    images_ = std::make_unique<DriveImages>(OpenImages(arguments_, kUnscaled));
+    Execute([&](const CommandHooks& hooks) {
+      images_ = std::make_unique<DriveImages>(OpenImages(arguments_, kUnscaled));
+      for (const std::string& clip : images_->source.left_out()) Warn(hooks, clip);
+    });
   }
   ~DriveReader() {
     const py::gil_scoped_release release;
@@ -214,13 +217,20 @@ class DriveReader {
 
   SourceFrame Next() {
     std::optional<SourceFrame> frame;
-    if (!arguments_.max_frames || read_ < *arguments_.max_frames) {
-      const py::gil_scoped_release release;
-      const QuietLibraries quiet;
-      frame = images_->source.Next();
-    }
+    Execute([&](const CommandHooks& hooks) {
+      // Two threads of Python may iterate at the same time.
+      const std::lock_guard alone(busy_);
+      if (arguments_.max_frames && read_ >= *arguments_.max_frames) return;
+      ImageSource& source = images_->source;
+      frame = source.Next();
+      if (frame) ++read_;
+      const std::vector<std::string> notices =
+          frame ? std::vector{frame->notice} : std::vector{source.NoticeAtEnd(), source.EndsEarly()};
+      for (const std::string& notice : notices)
+        if (!notice.empty() && !(ended_ && !frame)) Warn(hooks, notice);
+      ended_ = !frame;
+    });
     if (!frame) throw py::stop_iteration();
-    ++read_;
     return *std::move(frame);
   }
   int expected() const { return images_->expected; }
@@ -232,7 +242,9 @@ class DriveReader {
  private:
   ImageArguments arguments_;
   std::unique_ptr<DriveImages> images_;
+  std::mutex busy_;
   int read_ = 0;
+  bool ended_ = false;  ///< what is to be said at the end has been said
 };
 
 py::dict Headers() {

@@ -163,7 +163,8 @@ class Frames(Iterator[Frame]):
 
     path, topic, camera, timestamps, fps, rotate, mask, start, end, max_frames: as for `run`.
 
-    Raises ValueError where the drive or one of its images cannot be used.
+    Raises ValueError where the drive or one of its images cannot be used. Warns of clips that are left out, and of a
+    drive that ends early.
     """
 
     def __init__(self, path: Path | Sequence[Path], *, topic: str | None = None, camera: Camera | Path | None = None,

@@ -282,6 +282,7 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
   if (!report.calibration.observable) {
     // What is missing of the drive may be its turns.
     CheckDistance(arguments, motion);
+    attempts.RethrowFirst();
     throw InputError(fmt::format("{}: {} ({} steps, {:.0f} deg of turning); use a drive with a street corner",
                                  motion.input, report.calibration.problem, report.calibration.steps,
                                  report.calibration.turning * kDegreesPerRadian));
@@ -294,6 +295,7 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
   try {
     report.lever_arm = FindLeverArm(arguments, speeds, motion, steps, report.calibration);
   } catch (const InputError& error) {
+    attempts.RethrowFirst();
     if (arguments.out.empty()) throw;
     throw InputError(fmt::format("{} (the camera-to-vehicle rotation is in {})", error.what(), arguments.out.string()));
   }

@@ -20,7 +20,6 @@
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
-#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/run/drive_recorder.h"
@@ -84,6 +83,15 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   return stretches;
 }
 
+// As if the camera had been turned on the car as at the end all the time.
+void TurnToLast(const MountCalibration& mount, std::vector<FrameResult>& frames) {
+  for (FrameResult& frame : frames) {
+    if (!frame.world_from_camera) continue;
+    Eigen::Quaterniond& rotation = frame.world_from_camera->rotation;
+    rotation = rotation * mount.FrameFromLast(frame.frame);
+  }
+}
+
 // Why the stretches are not the whole path of the drive; empty if they are. `before`: the images before the map.
 std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSource& source, const SeenImages& before) {
   // A way that is missing makes a lever arm from the distance too long by the same share; a tape is hardly better than
@@ -100,16 +108,18 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
   return source.EndsEarly();
 }
 
+enum class LoopEnd { kEndOfDrive, kInterrupted };
+
 // Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt.
-void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks,
-                   const Odometry& odometry, Progress& progress, DriveRecorder& recorder) {
+LoopEnd ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks,
+                      const Odometry& odometry, Progress& progress, DriveRecorder& recorder) {
   while (!(arguments.max_frames && recorder.frames() >= *arguments.max_frames)) {
     const std::optional<SourceFrame> frame = source.Next();
-    if (hooks.interrupted()) return;
+    if (hooks.interrupted()) return LoopEnd::kInterrupted;
     if (!frame) {
       for (const std::string& warning : {source.NoticeAtEnd(), source.EndsEarly()})
         if (!warning.empty()) progress.Warn(warning);
-      return;
+      return LoopEnd::kEndOfDrive;
     }
     if (!frame->notice.empty()) progress.Warn(frame->notice);
     if (frame->gray.empty()) {
@@ -120,6 +130,7 @@ void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const C
     }
     progress.Update(recorder.frames(), fmt::format("{} keyframes", odometry.map().keyframes.size()));
   }
+  return LoopEnd::kEndOfDrive;
 }
 
 // Images that are too small, and a calibration that may be of others.
@@ -289,15 +300,6 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
   return motion;
 }
 
-// As if the camera had been turned on the car as at the end all the time.
-void TurnToLast(const MountCalibration& mount, std::vector<FrameResult>& frames) {
-  for (FrameResult& frame : frames) {
-    if (!frame.world_from_camera) continue;
-    Eigen::Quaterniond& rotation = frame.world_from_camera->rotation;
-    rotation = rotation * mount.FrameFromLast(frame.frame);
-  }
-}
-
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
   CheckImageArguments(arguments);
   Settings settings = arguments.settings ? ReadSettings(*arguments.settings) : Settings();
@@ -315,7 +317,8 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   DriveRecorder recorder(odometry, images.scaling);
   Attempts attempts;
-  attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, recorder); });
+  LoopEnd end = LoopEnd::kEndOfDrive;
+  attempts.Try([&] { end = ProcessFrames(arguments, images.source, hooks, odometry, progress, recorder); });
   progress.Finish();
   attempts.Try([&] { recorder.Finish(); });
   DriveMotion motion;
@@ -332,18 +335,23 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                                .is_calibration_refined = estimate.found.has_value()};
   for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
     progress.Warn(warning);
-  const std::vector<MountJump> jumps = odometry.mount().jumps();
+  const MountCalibration& mount = odometry.mount();
+  const std::vector<MountJump> jumps = mount.jumps();
   for (std::size_t i = 0; i < jumps.size(); ++i) {
     const bool last = i + 1 == jumps.size();
     progress.Warn(CameraJumpText(jumps[i], images.source.first_time()) +
                   (last ? "; the rotation is that after it, for other drives than this one" : ""));
   }
-  if (!jumps.empty()) TurnToLast(odometry.mount(), frames);
+  if (!jumps.empty()) TurnToLast(mount, frames);
+  const int moved_at = mount.moves() > 0 ? odometry.map().keyframes[mount.current().first_keyframe].frame : 0;
+  if (moved_at > 0)
+    progress.Warn(fmt::format("the camera was moved on the car before frame {}: only what follows is used", moved_at));
   motion.calibration_sigma = scale.calibration_sigma;
-  motion.stretches = Stretches(frames);
+  motion.stretches = Stretches({frames.begin() + moved_at, frames.end()});
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());
-  if (hooks.interrupted())
+  if (moved_at > 0) motion.incomplete = fmt::format("the camera was moved on the car before frame {}", moved_at);
+  if (end == LoopEnd::kInterrupted)
     motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", recorder.frames())};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
   if (motion.stopped) motion.incomplete = motion.stopped->message;

@@ -125,7 +125,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
                  bool timed, std::optional<double> first_time) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  if (error) RefusePlace(folder.string() + ": cannot be made", error, "choose another --report");
   for (const char* name : kReportFiles) RemoveOldFile(folder / name);
   // Its part marks the folder; it gets its name last: where it is, the others are of the same drive.
   OutputFile summary(folder / RunFiles::kSummary);

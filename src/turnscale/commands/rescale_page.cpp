@@ -11,8 +11,9 @@
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/drive_speed.h"
+#include "turnscale/odometry/results.h"
+#include "turnscale/odometry/scale_refinement.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
 #include "turnscale/run/run_summary.h"
@@ -46,7 +47,7 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
   for (const TurnEstimate& turn : result.estimate->turns)
-    data.turns.push_back(DescribeTurn(turn, result.steps, [](int pose) { return pose; }));
+    data.turns.push_back(TurnResultOf(turn, result.steps, [](int pose) { return pose; }));
   for (size_t i = 0; i < result.metric.size(); ++i) {
     const int pose = static_cast<int>(i);
     FrameResult frame;

@@ -23,6 +23,11 @@ bool IsOfTheMachine(int error) {
 
 }  // namespace
 
+void RefusePlace(const std::string& what, const std::error_code& error, const std::string& advice) {
+  if (IsOfTheMachine(error.value())) throw OutputError(what + ": " + error.message());
+  throw InputError(what + ": " + error.message() + "; " + advice);
+}
+
 fs::path PartOf(const fs::path& path) { return path.string() + ".part"; }
 
 OutputFile::OutputFile(const fs::path& path) : name_(path.string()), target_(path) {
@@ -33,8 +38,7 @@ OutputFile::OutputFile(const fs::path& path) : name_(path.string()), target_(pat
   const fs::path written = in_place_ ? target_ : PartOf(target_);
   descriptor_ = open(written.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ >= 0) return;
-  if (IsOfTheMachine(errno)) Fail(errno);
-  throw InputError(name_ + ": cannot be written: " + SystemMessage(errno) + "; choose another place");
+  RefusePlace(name_ + ": cannot be written", {errno, std::generic_category()}, "choose another place");
 }
 
 OutputFile::~OutputFile() {
@@ -109,10 +113,8 @@ void RemoveOldFile(const fs::path& path) {
       fs::remove(old, error);
     else
       error.clear();
-    if (error) {
-      throw InputError(old.string() + ": is of an earlier run and cannot be removed: " + error.message() +
-                       "; choose another place");
-    }
+    if (error)
+      RefusePlace(old.string() + ": is of an earlier run and cannot be removed", error, "choose another place");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace turnscale {
 
@@ -55,8 +56,12 @@ void ReplaceFile(const std::filesystem::path& path, std::string_view contents,
 /// Throws as OutputFile does where the file could not be made, and leaves nothing behind: before work that takes long.
 void CheckOutputFile(const std::filesystem::path& path);
 
+/// Throws OutputError where the machine is to blame for a place that cannot be written (disk full), else InputError
+/// with `advice`. `what`: the place, and what cannot be done.
+[[noreturn]] void RefusePlace(const std::string& what, const std::error_code& error, const std::string& advice);
+
 /// Takes away an older file and its part, so that it is not found beside newer ones; devices, pipes and folders stay.
-/// Throws InputError where it cannot be taken away.
+/// Throws as RefusePlace does where it cannot be taken away.
 void RemoveOldFile(const std::filesystem::path& path);
 
 }  // namespace turnscale

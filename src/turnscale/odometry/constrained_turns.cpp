@@ -8,6 +8,7 @@
 
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
+#include "turnscale/odometry/drive_steps.h"
 
 namespace turnscale {
 namespace {

@@ -4,7 +4,10 @@
 #include <vector>
 
 #include "turnscale/mapping/map_scaling.h"
-#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/odometry/options.h"
+#include "turnscale/odometry/refined_scale.h"
+#include "turnscale/odometry/results.h"
 
 namespace turnscale {
 

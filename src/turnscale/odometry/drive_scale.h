@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <functional>
-#include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
-#include "turnscale/kinematics/ackermann.h"
-#include "turnscale/mapping/map_scaling.h"
-#include "turnscale/odometry/frame_history.h"
+#include "turnscale/kinematics/vehicle_step.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/live_path.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
@@ -20,14 +18,9 @@
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_heights.h"
 #include "turnscale/scale/live_scale.h"
-#include "turnscale/scale/scale_estimator.h"
+#include "turnscale/scale/scale_state.h"
 
 namespace turnscale {
-
-/// A turn as results list it. `steps` are those of the estimate, along keyframes or other poses; `frame_of` gives the
-/// frame of each.
-TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
-                        const std::function<int(int keyframe)>& frame_of);
 
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///
@@ -59,27 +52,21 @@ class DriveScale {
   /// All keyframes have been adjusted: learns from those that are new, and re-evaluates the whole drive.
   void Reread(const Map& map);
 
-  ScaleState state() const { return state_; }
-  double sigma() const { return sigma_; }  ///< relative, at the latest keyframe; infinite while pending
+  ScaleState state() const { return live_path_.state(); }
+  double sigma() const { return live_path_.sigma(); }  ///< relative, at the latest keyframe; infinite while pending
   const MountCalibration& mount() const { return mount_; }
   /// The online estimate.
-  const MetricPath& live_path() const { return live_path_; }
+  const MetricPath& live_path() const { return live_path_.path(); }
   /// Keyframe up to which the keyframes were adjusted when the last used turn ended; 0 before the first.
-  int last_turn_end() const { return last_turn_end_; }
+  int last_turn_end() const { return live_path_.last_turn_end(); }
 
-  /// The smoother over all keyframes of the map. `has_known_errors`: the steps have errors beyond their noise, as from
-  /// a contradicted calibration. Then single-turn scales are used, and no stabilisation is looked for.
+  /// The smoother over all keyframes of the map (RefineScale).
   RefinedScale Refine(const Map& map, bool has_known_errors = false) const;
 
  private:
   /// Returns how the keyframe ended a turn.
   TurnEnd Feed(const Map& map, int keyframe);
-  /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a used turn has
-  /// been re-evaluated that ended there.
-  void UpdateLive(const Map& map, int first, std::optional<int> turn_end = {});
-  /// Brings the live scale within a turn to `scale` at keyframe `last` and beyond. Returns the keyframe from which on
-  /// it has changed.
-  int SpreadScale(const Map& map, double scale, int last);
+  void UpdateLive(const Map& map, LivePath::Change change);
 
   /// The live filter as it was before a keyframe, from where on it takes the keyframes again.
   struct Checkpoint {
@@ -97,16 +84,10 @@ class DriveScale {
   StepBuilder builder_;
   LiveScale live_;  ///< with a lever arm of 1 if no length is given, to detect turns
   std::optional<Checkpoint> checkpoint_;
-  MetricPath live_path_;
-  ScaleState state_ = ScaleState::kPending;
-  double sigma_ = std::numeric_limits<double>::infinity();
-  int keyframes_ = 0;  ///< taken so far
-  int last_turn_end_ = 0;
+  LivePath live_path_;
+  int keyframes_ = 0;                  ///< taken so far
   bool used_turn_ended_ = false;       ///< with the latest keyframe
   std::vector<int> unread_turn_ends_;  ///< keyframes that ended used turns which have not been re-evaluated
 };
-
-/// Camera motion of the step from keyframe `step` to the next, without that of the camera on the car.
-TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount);
 
 }  // namespace turnscale

@@ -89,14 +89,6 @@ void FillStart(std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-RigidTransform MetricPath::InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const {
-  return {world_from_camera.rotation, InMetres(map, keyframe, world_from_camera.translation)};
-}
-
-Eigen::Vector3d MetricPath::InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const {
-  return centres[keyframe] + metres_per_unit[keyframe] * (point - Centre(map.keyframes[keyframe]));
-}
-
 FrameHistory::Entry FrameHistory::EntryOf(const FrameResult& result) {
   return {result.time, result.tracked, result.inliers, result.state, result.keyframe, -1, {}};
 }

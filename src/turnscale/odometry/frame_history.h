@@ -7,20 +7,10 @@
 #include <Eigen/Core>
 
 #include "turnscale/mapping/map.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
-
-/// Metric positions of the keyframes beside a map that keeps its own unit: one entry per keyframe.
-struct MetricPath {
-  std::vector<Eigen::Vector3d> centres;  ///< metres; in the map's unit while the scale is pending
-  std::vector<double> metres_per_unit;   ///< 1 while the scale is pending
-
-  /// A camera pose near keyframe `keyframe` of the map, in metres.
-  RigidTransform InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const;
-  /// A point near that keyframe, in metres.
-  Eigen::Vector3d InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const;
-};
 
 /// Where and when the camera was measured last before the map went on from another keyframe.
 struct MeasuredEnd {

@@ -19,6 +19,7 @@
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/constrained_turns.h"
+#include "turnscale/odometry/drive_steps.h"
 #include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
 #include "turnscale/odometry/refined_drive.h"

@@ -19,6 +19,7 @@
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/map_upkeep.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"

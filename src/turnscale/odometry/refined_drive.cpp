@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "turnscale/mapping/map_scaling.h"
+#include "turnscale/odometry/drive_steps.h"
 
 namespace turnscale {
 

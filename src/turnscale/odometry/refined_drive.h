@@ -5,9 +5,10 @@
 
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/map_archive.h"
-#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {

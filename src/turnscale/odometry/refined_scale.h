@@ -8,7 +8,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/calibration_check.h"
-#include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/scale/scale_estimator.h"
 

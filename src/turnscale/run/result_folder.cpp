@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <sstream>
@@ -27,11 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What a file of the results holds; empty if there is no such file: not every run writes all of them.
+std::string TextIfThere(const fs::path& path) {
+  std::error_code none;
+  if (!fs::exists(path, none)) return {};
+  if (std::optional<std::string> text = FileText(path)) return *std::move(text);
+  throw InputError(path.string() + ": cannot be read");
+}
+
 // Calls `read` for every line of a table, if there is one.
 void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read) {
-  std::error_code none;
-  std::ifstream stream(path);
-  if (!stream || !fs::is_regular_file(path, none)) return;
+  std::istringstream stream(TextIfThere(path));
+  if (stream.str().empty()) return;
   CsvTable table(stream, path.string());
   while (table.Next()) read(table);
 }
@@ -115,26 +121,25 @@ float FloatAt(const std::string& bytes, size_t place) {
 
 // As WriteMap writes them: landmarks are gray, cameras red.
 std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
-  const std::optional<std::string> text = FileText(path);
-  if (!text) return {};
+  const std::string text = TextIfThere(path);
+  if (text.empty()) return {};
   constexpr std::string_view kCount = "element vertex ";
   constexpr std::string_view kEnd = "end_header\n";
   constexpr size_t kVertexBytes = 15;
-  const size_t count_at = text->find(kCount);
-  const size_t end = text->find(kEnd);
+  const size_t count_at = text.find(kCount);
+  const size_t end = text.find(kEnd);
   const auto count = count_at < end && end != std::string::npos
-                         ? ParseNumber<size_t>(std::string_view(*text).substr(
-                               count_at + kCount.size(), text->find('\n', count_at) - count_at - kCount.size()))
+                         ? ParseNumber<size_t>(std::string_view(text).substr(
+                               count_at + kCount.size(), text.find('\n', count_at) - count_at - kCount.size()))
                          : std::nullopt;
   const size_t body = end + kEnd.size();
-  const bool fits =
-      count && (text->size() - body) % kVertexBytes == 0 && (text->size() - body) / kVertexBytes == *count;
+  const bool fits = count && (text.size() - body) % kVertexBytes == 0 && (text.size() - body) / kVertexBytes == *count;
   if (!fits) throw InputError(path.string() + ": is not a map that turnscale has written");
   std::vector<Eigen::Vector3f> landmarks;
   for (size_t i = 0; i < *count; ++i) {
     const size_t place = body + i * kVertexBytes;
-    const bool is_camera = (*text)[place + 12] != (*text)[place + 13];
-    if (!is_camera) landmarks.emplace_back(FloatAt(*text, place), FloatAt(*text, place + 4), FloatAt(*text, place + 8));
+    const bool is_camera = text[place + 12] != text[place + 13];
+    if (!is_camera) landmarks.emplace_back(FloatAt(text, place), FloatAt(text, place + 4), FloatAt(text, place + 8));
   }
   return landmarks;
 }
@@ -157,7 +162,7 @@ void ReadView(const nlohmann::json& intrinsics, ResultFolder& results) {
 }
 
 void ReadSummary(const fs::path& path, ResultFolder& results) {
-  results.summary = FileText(path).value_or("");
+  results.summary = TextIfThere(path);
   const auto json = nlohmann::json::parse(results.summary, nullptr, false);
   const auto member = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
   const nlohmann::json angles = member("camera_yaw_pitch_roll_deg");
@@ -193,7 +198,7 @@ ResultFolder ReadResultFolder(const fs::path& folder) {
       throw InputError((folder / name).string() + ": no such file; give the --out folder of turnscale run");
   ResultFolder results;
   ReadSummary(folder / RunFiles::kSummary, results);
-  results.settings = FileText(folder / RunFiles::kSettings).value_or("");
+  results.settings = TextIfThere(folder / RunFiles::kSettings);
   results.frames = ReadFrames(folder / RunFiles::kTrajectoryTable);
   results.turns = ReadTurns(folder / RunFiles::kTurns);
   ReadTable(folder / RunFiles::kSpeed, [&](CsvTable& table) {

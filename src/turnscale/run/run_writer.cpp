@@ -61,7 +61,7 @@ void MakeFolder(const fs::path& folder) {
   RefuseFile(folder);
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
+  if (error) RefusePlace(folder.string() + ": cannot be made", error, "choose another --out");
 }
 
 // The folder, or the nearest one above it that is there. A link is there even if it leads nowhere.
@@ -77,9 +77,9 @@ void TryFile(const fs::path& folder, const fs::path& nearest) {
   std::string name = (nearest / ".turnscale-XXXXXX").string();
   const int descriptor = mkstemp(name.data());
   if (descriptor < 0) {
-    const std::string why = std::generic_category().message(errno);
-    throw InputError(folder.string() + (nearest == folder ? ": no file can be made in it: " : ": cannot be made: ") +
-                     why + "; choose another --out");
+    const std::error_code error(errno, std::generic_category());
+    RefusePlace(folder.string() + (nearest == folder ? ": no file can be made in it" : ": cannot be made"), error,
+                "choose another --out");
   }
   close(descriptor);
   unlink(name.c_str());

@@ -14,7 +14,8 @@
 #include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/speed_smoother.h"
 #include "turnscale/mapping/map.h"
-#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {

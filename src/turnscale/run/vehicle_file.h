@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "turnscale/config/yaml_map.h"
-#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/refined_scale.h"
 
 namespace turnscale {
 

@@ -13,16 +13,25 @@ namespace {
 constexpr int kMostIterations = 40;
 constexpr int kFreeSelections = 4;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
+constexpr double kNegligible = 1e-3;      // such a change over the standard deviation
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
-// Moves the linearisation of each segment to its estimate. Returns the largest change of a log-scale.
-double Relinearize(const SmoothedScale& smoothed, std::vector<DriveState>& at) {
-  double change = 0;
+// The largest change of a log-scale in an iteration.
+struct Change {
+  double absolute = 0;
+  double in_sigmas = 0;
+};
+
+// Moves the linearisation of each segment to its estimate.
+Change Relinearize(const SmoothedScale& smoothed, std::vector<DriveState>& at) {
+  Change change;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const double before = at[i][kLogScale];
     at[i] = smoothed.segments[i].mean;
     at[i][kLogScale] = std::clamp(at[i][kLogScale], before - kMaxLogScaleStep, before + kMaxLogScaleStep);
-    change = std::max(change, std::abs(at[i][kLogScale] - before));
+    const double moved = std::abs(at[i][kLogScale] - before);
+    change.absolute = std::max(change.absolute, moved);
+    change.in_sigmas = std::max(change.in_sigmas, moved / smoothed.segments[i].sigma());
   }
   return change;
 }
@@ -38,9 +47,11 @@ SmoothedDrive SmoothUntilConverged(ScaleProblem problem, double huber) {
   drive.problem = std::move(problem);
   drive.problem.weights.assign(drive.problem.segments.size(), kFullWeights);
   std::vector<DriveState> at(drive.problem.segments.size(), drive.problem.prior.mean);
-  for (int i = 0; i < kMostIterations && !drive.converged; ++i) {
+  for (int i = 1; i <= kMostIterations && !drive.converged; ++i) {
     drive.smoothed = SmoothScale(drive.problem, at);
-    drive.converged = Relinearize(drive.smoothed, at) < kConverged;
+    const Change change = Relinearize(drive.smoothed, at);
+    // The weights converge slowly: what is left in the end may not matter.
+    drive.converged = change.absolute < kConverged || (i == kMostIterations && change.in_sigmas < kNegligible);
     Reweigh(at, huber, drive.problem);
   }
   drive.car = drive.smoothed.segments.back();

@@ -24,7 +24,8 @@ struct ImageLag {
 struct ImageSmoothing {
   double variance = 0;        ///< of the times over which the mean is taken, s^2
   double variance_sigma = 0;  ///< standard deviation of `variance`, s^2, without the errors that steps of a turn share
-  /// Relative error of a scale from turns, to first order, at even speed: in the images, turns are slower.
+  /// Relative error of a scale from turns, to first order, at even speed: in the images, turns are slower. That of the
+  /// drive's estimate includes what a lag may change that the turns do not show for certain.
   double scale_error = 0;
 };
 

@@ -69,30 +69,40 @@ TurnEnd LiveScale::Add(const VehicleStep& step) {
 }
 
 void LiveScale::UpdateReading() {
+  const std::optional<TurningRegion> open = detector_.open();
+  if (!open) KeepProvisional();
   ScaleBelief belief = belief_;
   Advance(pending_, belief);
   // After the end of a segment its state is kept until the next one has some steps.
   const bool begins = static_cast<int>(pending_.size()) < options_.evidence.road.min_steps;
   on_road_ = (TakeRoad(pending_, belief) || (begins && on_road_)) && KnowsHeight(belief);
   bool turning = false;
-  if (const auto open = detector_.open()) {
+  if (open) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
     TakeDirection(StepsOf(pending_, 0, begin - 1), road_part_, belief);
     TurnUpdate with = WithTurn(belief, StepsOf(pending_, begin, begin + open->last - open->first));
-    belief = std::move(with.belief);
     turning = with.used;
+    belief = provisional_ && !turning ? *provisional_ : std::move(with.belief);
   }
-  const bool has_source = started_ || turning || on_road_;
+  const bool has_source = started_ || turning || provisional_ || on_road_;
   // Once known, the scale stays so.
   const bool is_known = now_ || belief.sigma() <= options_.max_sigma;
   now_.reset();
   if (!has_source || !is_known) return;
   const ScaleState on_straight = on_road_ ? ScaleState::kFromRoad : ScaleState::kHeld;
   now_ = LiveReading{.belief = belief, .state = turning ? ScaleState::kObserved : on_straight};
+  if (turning && !started_) provisional_ = belief;
+}
+
+void LiveScale::KeepProvisional() {
+  if (!provisional_) return;
+  belief_ = *std::exchange(provisional_, std::nullopt);
+  started_ = true;
 }
 
 void LiveScale::TurnCamera(double angle) {
   belief_.mean[kDirection] += angle;
+  if (provisional_) provisional_->mean[kDirection] += angle;
   for (VehicleStep& step : pending_) step.motion.theta += angle;
 }
 
@@ -114,7 +124,11 @@ TurnEnd LiveScale::EndTurn(int last) {
   const std::vector<VehicleStep> steps = PassOver(last);
   TurnUpdate with = WithTurn(belief_, steps);
   belief_ = std::move(with.belief);
-  started_ = started_ || with.used;
+  if (with.used) {
+    started_ = true;
+    provisional_.reset();
+  }
+  KeepProvisional();
   return with.used ? TurnEnd::kUsed : TurnEnd::kNotUsed;
 }
 

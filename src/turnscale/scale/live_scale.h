@@ -49,6 +49,8 @@ class LiveScale {
   std::vector<VehicleStep> PassOver(int last);
   /// Renews the reading: the belief and what the pending steps add to it.
   void UpdateReading();
+  /// The provisional belief becomes the belief, if there is one.
+  void KeepProvisional();
   /// `road_part`: as PathSegment::road_part.
   void TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const;
   void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
@@ -70,8 +72,10 @@ class LiveScale {
   std::vector<VehicleStep> pending_;  ///< those of no segment yet
   bool road_part_ = false;            ///< the pending steps continue a straight of which a road part has been cut
   ScaleBelief belief_;                ///< at the end of the last segment
-  bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
-  bool on_road_ = false;              ///< ScaleState::kFromRoad, also within a turn
+  /// With the usable part of the first turn, from which the reading is: the turn may get too fast to be used.
+  std::optional<ScaleBelief> provisional_;
+  bool started_ = false;  ///< a turn, or the road with a known height, has given the scale
+  bool on_road_ = false;  ///< ScaleState::kFromRoad, also within a turn
   std::optional<LiveReading> now_;
 };
 

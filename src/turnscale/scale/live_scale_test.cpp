@@ -185,6 +185,33 @@ TEST(LiveScale, ATurnThatIsNotUsedDoesNotObserveTheScale) {
 }
 
 // As in the smoother.
+TEST(LiveScale, StaysMetricWhenTheFirstTurnGetsTooFast) {
+  // 15 degrees at 3 m/s, then a bend of 60 m at 14 m/s, where slip takes the lever arm.
+  const std::vector<StretchOfRoad> corner{{20, 0, 5, 9}, {10, 2.5 * kDegree, 0.6, 3}, {30, 2.5 * kDegree, 2.6, 14}};
+  std::vector<StretchOfRoad> road = corner;
+  road.push_back({60, 0, 5, 9});
+  const LeverArm arm{1.0, 0.0045};
+  CarPrior prior;
+  prior.lever_arm = arm.length;
+  prior.side_slip = arm.side_slip;
+  const std::vector<VehicleStep> steps = MakeSteps(road, arm, 0, kUnit).steps;
+  LiveScale live(prior, {});
+  bool known = false;
+  bool ended = false;
+  for (const VehicleStep& step : steps) {
+    const TurnEnd end = live.Add(step);
+    ended = ended || end != TurnEnd::kNone;
+    EXPECT_NE(end, TurnEnd::kUsed);
+    if (known) {
+      ASSERT_TRUE(live.Now());
+      EXPECT_NEAR(std::log(live.Now()->belief.metres_per_unit() / kUnit), 0, 2 * live.Now()->belief.sigma());
+    }
+    known = live.Now().has_value();
+  }
+  EXPECT_TRUE(known && ended);
+  EXPECT_EQ(live.Now()->state, ScaleState::kHeld);
+}
+
 TEST(LiveScale, ATurnThatIsTooFastShowsTheDirectionOfTravel) {
   CarPrior prior = Prior();
   prior.yaw_sigma = 0.5 * kDegree;

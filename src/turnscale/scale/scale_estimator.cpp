@@ -311,13 +311,27 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
-// Sigma grows by what the smoothing of stabilised images does to a scale from turns alone.
+// Relative error of the scale by a lag that the turns do not show for certain; 0 where one is allowed for already.
+double ErrorByLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
+                  const ScaleEstimatorOptions& options) {
+  if (car.image_lag_sigma > 0) return 0;
+  const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), drive.car.mean, options);
+  if (!with) return 0;
+  const ScaleBelief& last = with->smoothed.segments.back();
+  return std::hypot(last.mean[kLogScale] - drive.smoothed.segments.back().mean[kLogScale], last.sigma());
+}
+
+// Sigma grows by what the smoothing of stabilised images does to a scale from turns alone, and by what a lag may do:
+// images that are stabilised may have one, too.
 void CoverSmoothing(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
                     const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
   if (!options.stabilisation.enabled || !car.knows_lever_arm() || car.knows_height()) return;
   estimate.image_smoothing = FindImageSmoothing(evidence.steps, drive.problem.segments, drive.smoothed.segments,
                                                 options.evidence.line.sigma_theta, options.stabilisation);
-  if (estimate.image_smoothing) Widen(estimate.image_smoothing->scale_error, estimate);
+  if (!estimate.image_smoothing) return;
+  double& error = estimate.image_smoothing->scale_error;
+  error = std::hypot(error, ErrorByLag(drive, evidence, car, options));
+  Widen(error, estimate);
 }
 
 // What becomes of a given height.
