@@ -131,7 +131,7 @@ TEST(OdometryTrouble, DarknessWithinATurnIsBridged) {
 TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
   // Right after the first turn, before its end could be told: the gap closes it.
   constexpr int kFirst = 64;
-  constexpr int kCount = 12;
+  constexpr int kCount = 24;
   StreetDrive drive = PlainStreetDrive();
   SpoilImages(drive, kFirst, kCount, Black);
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
@@ -148,7 +148,7 @@ TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
 
 TEST(OdometryTrouble, ARestartHasThePixelsOfTheLensCorrectionLearnedUpToTheGap) {
   constexpr int kFirst = 36;
-  constexpr int kCount = 12;
+  constexpr int kCount = 24;
   StreetDrive drive = RenderStreetDrive({.frames = 60, .k1 = 0.01});
   SpoilImages(drive, kFirst, kCount, Black);
   drive.camera.lens = LensModel::kPinhole;
@@ -259,6 +259,22 @@ TEST(OdometryTrouble, RepeatedImagesAreNoStandstill) {
   }
   EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - static_cast<int>(repeats.size()));
   ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, APictureThatFreezesIsNoStandstill) {
+  constexpr int kFrozen = kStreetFirstTurn + kStreetTurnFrames + 5;  // on the street between the turns
+  // Up to a place that shows the same scene, and up to another one in the second turn.
+  for (const int count : {15, 45}) {
+    StreetDrive drive = PlainStreetDrive();
+    for (int i = 0; i < count; ++i) drive.images[kFrozen + i] = drive.images[kFrozen - 1];
+    const OdometryRun run = RunOdometry(StreetOptions(), drive);
+    for (const int frame : {kFrozen + 3, kFrozen + count - 2})
+      EXPECT_NE(run.refined[frame].state, TrackingState::kTracked) << count << ", frame " << frame;
+    EXPECT_EQ(run.refined[kStreetFrames - 1].state, TrackingState::kTracked);
+    const int last = kFrozen + count;
+    EXPECT_GT(Drift(run.refined, kFrozen - 1, last), 0.8 * DriftOf(drive, kFrozen - 1, last));
+    EXPECT_LT(Drift(run.refined, kFrozen - 1, last), 1.3 * DriftOf(drive, kFrozen - 1, last));
+  }
 }
 
 TEST(OdometryTrouble, EachImageThreeTimesIsTheSameDrive) {

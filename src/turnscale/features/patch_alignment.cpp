@@ -37,12 +37,18 @@ class Alignment {
   // Sum of squared deviations from the mean.
   double Variance() const { return sums_.vv - sums_.v * sums_.v / pixels_; }
 
+  struct Step {
+    Eigen::Vector4d change;  // of the unknowns
+    double gained = 0;       // by which it reduces the sum of squares
+  };
+
   // What the difference of the image and the template, of this gain and offset, adds to the unknowns.
-  Eigen::Vector4d Step(const ImageSums& image, double gain, double offset) const {
-    return inverse_ * Eigen::Vector4d(image.by_x - gain * sums_.xv - offset * sums_.x,
-                                      image.by_y - gain * sums_.yv - offset * sums_.y,
-                                      image.value - gain * sums_.vv - offset * sums_.v,
-                                      image.one - gain * sums_.v - offset * pixels_);
+  Step StepFrom(const ImageSums& image, double gain, double offset) const {
+    const Eigen::Vector4d right(
+        image.by_x - gain * sums_.xv - offset * sums_.x, image.by_y - gain * sums_.yv - offset * sums_.y,
+        image.value - gain * sums_.vv - offset * sums_.v, image.one - gain * sums_.v - offset * pixels_);
+    const Eigen::Vector4d change = inverse_ * right;
+    return {change, change.dot(right)};
   }
 
   // Sum of the squares of that difference.
@@ -90,18 +96,18 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
     const ImageSums image = SumsOf(patch, current, x - reach, y - reach);
     const double squared = alignment.Squared(image, gain, offset);
     const bool gains_nothing = squared >= last_squared && shift.norm() <= kRoundingSteps * options.tolerance;
-    const Eigen::Vector4d step = alignment.Step(image, gain, offset);
-    if (!step.allFinite()) return std::nullopt;
+    const Alignment::Step step = alignment.StepFrom(image, gain, offset);
+    if (!step.change.allFinite()) return std::nullopt;
     // The template's gradients stand for the image's, up to the gain.
-    shift = -2 * step.head<2>() / std::max(0.1, gain);
+    shift = -2 * step.change.head<2>() / std::max(0.1, gain);
     pixel += shift;
-    gain += step[2];
-    offset += step[3];
+    gain += step.change[2];
+    offset += step.change[3];
     if ((pixel - guess).norm() > options.max_distance) return std::nullopt;
     last_squared = squared;
     if (shift.norm() > options.tolerance && !gains_nothing) continue;
     // Share of the patch's variance that the image explains is the square of the correlation.
-    const double explained = 1.0 - squared / std::max(1e-6, gain * gain * variance);
+    const double explained = 1.0 - (squared - step.gained) / std::max(1e-6, gain * gain * variance);
     if (gain < 0.2 || explained < options.min_correlation * options.min_correlation) return std::nullopt;
     return pixel;
   }

@@ -2,6 +2,8 @@
 #include "turnscale/features/patch_alignment.h"
 
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -94,6 +96,18 @@ TEST(PatchAlignment, DoesNotMindTheBrightness) {
   View view{.texture = SyntheticTexture(3), .shift = {0.4, -0.3}, .gain = 0.7, .offset = 40};
   view.reference_from_current /= 1.3;
   ExpectFound(view, {0.6, 0.6});
+}
+
+TEST(PatchAlignment, DoesNotMindTheBrightnessWhereTheGuessIsRight) {
+  for (const auto& [gain, offset] : {std::pair{1.0, 30.0}, {1.0, -20.0}, {0.7, 0.0}, {1.3, 10.0}}) {
+    const View view{.texture = SyntheticTexture(3), .gain = gain, .offset = offset};
+    const cv::Mat reference = view.Reference();
+    const cv::Mat current = view.Current();
+    std::size_t found = 0;
+    for (const Eigen::Vector2d& place : Places())
+      found += AlignPatch({}, reference, place, Eigen::Matrix2d::Identity(), current, place) ? 1 : 0;
+    EXPECT_EQ(found, Places().size()) << gain << ' ' << offset;
+  }
 }
 
 TEST(PatchAlignment, RefusesADifferentTexture) {

@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 namespace {
 
@@ -55,13 +57,16 @@ class Filter {
   // The state at each reading, from the readings so far. Returns the log-likelihood.
   double Run(std::vector<CarState>* predicted, std::vector<CarState>* filtered) {
     CarState state;
+    state.mean = {readings_.front().position, 0, 0};
+    state.covariance =
+        Vector3d(variance_, kFirstSpeedSigma * kFirstSpeedSigma, kFirstAccelerationSigma * kFirstAccelerationSigma)
+            .asDiagonal();
     double likelihood = 0;
-    bool begun = false;
     double unmeasured = 0;  // metres since the last measured reading
     for (size_t i = 0; i < readings_.size(); ++i) {
       if (i > 0) {
         const double seconds = readings_[i].time - readings_[i - 1].time;
-        if (begun && !(readings_[i - 1].measured && readings_[i].measured)) unmeasured += state.mean[1] * seconds;
+        if (!(readings_[i - 1].measured && readings_[i].measured)) unmeasured += state.mean[1] * seconds;
         Predict(seconds, state);
       }
       // The error of a gap is one for the whole of it.
@@ -69,26 +74,14 @@ class Filter {
         const double gap_sigma = options_.gap_sigma * std::exchange(unmeasured, 0.0);
         state.covariance(0, 0) += gap_sigma * gap_sigma;
       }
-      if (!begun) {
-        // Readings before the first measured one get its position, and any speed.
-        state.mean = {FirstPosition(), 0, 0};
-        state.covariance =
-            Vector3d(variance_, kFirstSpeedSigma * kFirstSpeedSigma, kFirstAccelerationSigma * kFirstAccelerationSigma)
-                .asDiagonal();
-      }
       if (predicted) predicted->push_back(state);
-      if (readings_[i].measured && begun) likelihood += Update(readings_[i].position, state);
-      begun = begun || readings_[i].measured;
+      if (readings_[i].measured && i > 0) likelihood += Update(readings_[i].position, state);
       if (filtered) filtered->push_back(state);
     }
     return likelihood;
   }
 
  private:
-  double FirstPosition() const {
-    return std::find_if(readings_.begin(), readings_.end(), [](const auto& r) { return r.measured; })->position;
-  }
-
   void Predict(double seconds, CarState& state) const {
     const Matrix3d transition = Transition(seconds);
     state.mean = transition * state.mean;
@@ -138,6 +131,7 @@ std::optional<SpeedReading> SpeedAt(const std::vector<SpeedReading>& readings, d
 
 std::vector<SpeedReading> SmoothSpeed(const std::vector<PathReading>& readings, const SpeedSmootherOptions& options) {
   constexpr int kLeast = 3;
+  Ensure(readings.empty() || readings.front().measured, "the first reading of a path is a measured one");
   if (std::count_if(readings.begin(), readings.end(), [](const auto& r) { return r.measured; }) < kLeast) return {};
   std::vector<CarState> predicted;
   std::vector<CarState> smoothed;

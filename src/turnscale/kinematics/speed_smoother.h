@@ -33,7 +33,7 @@ struct SpeedSmootherOptions {
 /// Speed at each reading, from all readings: the Kalman smoother of a car whose acceleration is a random walk and whose
 /// positions have white noise. The noise of the positions is estimated from the readings by maximum likelihood.
 /// Deviations of more than three sigma are down-weighted, with the inverse of their square. Empty if fewer than three
-/// readings are measured.
+/// readings are measured. The first reading has to be a measured one.
 std::vector<SpeedReading> SmoothSpeed(const std::vector<PathReading>& readings,
                                       const SpeedSmootherOptions& options = {});
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/drive_steps.h"
 #include "turnscale/odometry/test_corners.h"
 
 namespace turnscale {

@@ -10,6 +10,7 @@
 #include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
+#include "turnscale/odometry/drive_steps.h"
 #include "turnscale/odometry/test_corners.h"
 
 namespace turnscale {

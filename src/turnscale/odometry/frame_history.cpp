@@ -93,17 +93,26 @@ FrameHistory::Entry FrameHistory::EntryOf(const FrameResult& result) {
   return {result.time, result.tracked, result.inliers, result.state, result.keyframe, -1, {}};
 }
 
-void FrameHistory::AddWithoutPose(const FrameResult& result) { entries_.push_back(EntryOf(result)); }
+void FrameHistory::Put(int frame, const Entry& entry) {
+  if (frame < static_cast<int>(entries_.size()))
+    entries_[frame] = entry;
+  else
+    entries_.push_back(entry);
+}
+
+void FrameHistory::AddWithoutPose(const FrameResult& result) { Put(result.frame, EntryOf(result)); }
 
 void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
                        const RigidTransform& camera_from_world) {
   Entry entry = EntryOf(result);
   entry.keyframe = keyframe;
   entry.frame_from_keyframe = camera_from_world * map.keyframes[keyframe].camera_from_world.inverse();
-  if (result.frame < static_cast<int>(entries_.size()))
-    entries_[result.frame] = entry;
-  else
-    entries_.push_back(entry);
+  Put(result.frame, entry);
+}
+
+void FrameHistory::ForgetMeasured(double after) {
+  for (auto entry = entries_.rbegin(); entry != entries_.rend() && entry->time > after; ++entry)
+    if (!entry->is_keyframe && entry->state != TrackingState::kUnreadable) entry->state = TrackingState::kBridged;
 }
 
 void FrameHistory::Rescale(int first, const std::vector<double>& factors) {

@@ -21,11 +21,15 @@ struct MeasuredEnd {
 /// Every frame of the drive, relative to a keyframe: when keyframes are refined, their frames move with them.
 class FrameHistory {
  public:
-  /// Adds a frame that has no pose yet.
+  /// Adds a frame that has no pose yet, or replaces what is known of the frame of that number.
   void AddWithoutPose(const FrameResult& result);
 
   /// Adds a frame, or gives the frame of that number its pose, relative to a keyframe of the map.
   void Add(const FrameResult& result, const Map& map, int keyframe, const RigidTransform& camera_from_world);
+
+  /// Frames after a time (seconds) were neither measured nor repeats between measured ones after all, but for
+  /// keyframes: their poses are predictions.
+  void ForgetMeasured(double after);
 
   /// Translations relative to keyframe first + k are multiplied by `factors[k]`.
   void Rescale(int first, const std::vector<double>& factors);
@@ -52,6 +56,7 @@ class FrameHistory {
     RigidTransform frame_from_keyframe;
   };
   static Entry EntryOf(const FrameResult& result);
+  void Put(int frame, const Entry& entry);
 
   std::deque<Entry> entries_;  ///< index is the frame's number; keyframes ascend but for those around a restart
 };

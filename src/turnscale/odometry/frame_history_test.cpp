@@ -203,6 +203,23 @@ TEST(FrameHistory, ACarThatStandsAfterAGapHasNotGoneFarther) {
   }
 }
 
+TEST(FrameHistory, FramesThatWereNotMeasuredAfterAllAreInterpolated) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(0));
+  history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
+  for (const int frame : {2, 3}) history.Add(Frame(frame, TrackingState::kRepeated), map, 0, At(2));
+  history.Add(Frame(4, TrackingState::kTracked), map, 0, At(2));
+  history.ForgetMeasured(Frame(1, TrackingState::kTracked).time);
+  history.Add(Frame(5, TrackingState::kTracked), map, 1, At(11));
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
+  for (const int i : {2, 3, 4}) {
+    EXPECT_EQ(frames[i].state, TrackingState::kBridged);
+    EXPECT_GT(X(frames[i]), X(frames[i - 1]) + 0.5);
+  }
+  EXPECT_EQ(frames[1].state, TrackingState::kTracked);
+}
+
 TEST(FrameHistory, FramesBeforeTheFirstPoseHaveThatPose) {
   const Map map = TwoKeyframes();
   FrameHistory history;

@@ -41,6 +41,10 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
+bool FrameTracker::ShowsSamePixels(const FlowImage& image) const {
+  return HaveSamePixels(sampled_ ? sampled_->gray : last_image_.gray, image.gray);
+}
+
 bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
                             const ImageTiming& timing) const {
   return IsRepeated(options_.repeats, options_.alignment, map,
@@ -211,6 +215,14 @@ void FrameTracker::Reindex(const std::vector<int>& new_index) {
     for (FeatureTrack& track : *tracks) track.landmark = new_index[track.landmark];
     std::erase_if(*tracks, [](const FeatureTrack& track) { return track.landmark < 0; });
   }
+}
+
+void FrameTracker::Rescale(double factor) {
+  for (std::vector<FeatureTrack>* tracks : AllTracks())
+    for (FeatureTrack& track : *tracks) {
+      track.parallax_base *= factor;
+      if (track.parallax) *track.parallax /= factor;
+    }
 }
 
 void FrameTracker::Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected) {

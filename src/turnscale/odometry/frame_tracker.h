@@ -41,6 +41,9 @@ class FrameTracker {
   bool IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
                 const ImageTiming& timing) const;
 
+  /// Whether all pixels of the image are those of the last tracked one: the noise of a camera makes any two differ.
+  bool ShowsSamePixels(const FlowImage& image) const;
+
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
   /// motion model's others. Builds the image's pyramid unless a sample of the landmarks is
   /// enough.
@@ -76,6 +79,9 @@ class FrameTracker {
 
   /// Landmarks have moved to other indices; -1: they are gone.
   void Reindex(const std::vector<int>& new_index);
+
+  /// The unit of the map's latest keyframes has changed: a length there is `factor` times what it was.
+  void Rescale(double factor);
 
   /// Undistorted pixels have changed.
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);

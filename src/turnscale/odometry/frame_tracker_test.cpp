@@ -85,6 +85,21 @@ TEST_F(FrameTracking, FindsThePose) {
   EXPECT_LT((frame.camera_from_world->translation - Moved(6.4).translation).norm(), 0.05 * kWallDepth / 400);
 }
 
+TEST_F(FrameTracking, AParallaxFollowsTheUnitOfLength) {
+  std::vector<FeatureTrack> tracks = tracker_.tracks();
+  for (FeatureTrack& track : tracks) {
+    track.parallax = Eigen::Vector2d(30, 0);
+    track.parallax_base = 0.2;
+  }
+  const int landmarks = static_cast<int>(tracks.size());
+  tracker_.Start(Seen(0), std::move(tracks), landmarks);
+  tracker_.Rescale(2);
+  for (const FeatureTrack& track : tracker_.tracks()) {
+    EXPECT_EQ(track.parallax->x(), 15);
+    EXPECT_EQ(track.parallax_base, 0.4);
+  }
+}
+
 // With half of the wall gone, too few of the sample agree, and all tracks are followed by optical flow.
 TEST_F(FrameTracking, FindsThePoseWhereMostOfTheSampleIsGone) {
   FlowImage image = Seen(6.4);

@@ -77,19 +77,16 @@ AppliedReadjustment MapUpkeep::Apply(ReadjustmentResult result, Map& map) {
   const int first = result.first;
   readjusted_under_.resize(result.end, std::numeric_limits<double>::quiet_NaN());
   std::fill(readjusted_under_.begin() + first, readjusted_under_.end(), result.radial_correction);
-  // Factors of length are means over two steps on either side.
-  const int from = std::max(0, first - 2);
-  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map, from);
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map, first);
   if (result.window) WriteBack(*result.window, map);
   std::vector<double> factors =
-      KeyframeFactors(before, KeyframeCentres(map, from), first - from, std::vector(before.size(), 1.0));
+      KeyframeFactors(before, KeyframeCentres(map, first), 0, std::vector(before.size(), 1.0));
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
   const int last =
       CountKeyframes(map) - std::max({reach(options_.turn_bundle), reach(options_.local_bundle), options_.lens.window,
                                       options_.calibration_check.window, kKeyframesOfUnit});
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
   return {.keyframes = {.first = first, .end = result.end, .final_before = last},
-          .first_rescaled = from,
           .factors = std::move(factors),
           .mount = std::move(result.mount)};
 }

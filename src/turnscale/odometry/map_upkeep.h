@@ -16,8 +16,7 @@ namespace turnscale {
 /// What a readjustment has changed in the map, and what it has found beside it.
 struct AppliedReadjustment {
   ReadjustedKeyframes keyframes;
-  int first_rescaled = 0;
-  std::vector<double> factors;  ///< of lengths at keyframes `first_rescaled`...latest
+  std::vector<double> factors;  ///< of lengths at keyframes `keyframes.first`...latest
   MountCalibration mount;       ///< has learned from the readjusted keyframes
 };
 

@@ -38,8 +38,7 @@ TEST_F(Upkeep, AReadjustmentIsAppliedSomeKeyframesAfterItsTurn) {
   EXPECT_LT((Centre(map.keyframes[39]) - Centre(whole_.keyframes[39])).norm(), 0.02) << "it is back at its place";
   EXPECT_EQ(applied->keyframes.first, 40 - kUpkeepWindow);
   EXPECT_EQ(applied->keyframes.end, 40);
-  EXPECT_EQ(applied->first_rescaled, 40 - kUpkeepWindow - 2);
-  EXPECT_EQ(static_cast<int>(applied->factors.size()), 46 - applied->first_rescaled);
+  EXPECT_EQ(static_cast<int>(applied->factors.size()), 46 - applied->keyframes.first);
   EXPECT_EQ(applied->mount.next_keyframe(), 40);
   EXPECT_FALSE(upkeep.ApplyIfDue(map)) << "once";
 }

@@ -16,6 +16,9 @@ constexpr double kSpeedSeconds = 0.2;
 constexpr double kBreak = 0.5;
 // Below this share of the speed kept already, what breaks off is the noise of standing still.
 constexpr double kNoise = 0.1;
+// A car that brakes is slower than this share of its speed so many seconds before, when it stops.
+constexpr double kBraking = 0.5;
+constexpr double kBrakingSeconds = 2;
 // Deviation from the expected turn after which little of what was seen is left in the image, radians.
 constexpr double kMostTurnReach = 0.5;
 // A prediction is put together from at most so many steps.
@@ -109,12 +112,15 @@ void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
     // speed() is 0, as no speed of the new map is known yet.
     if (step_ && !recent_.empty() && step.speed() < kBreak * step_->speed() &&
         !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
-      broken_off_ = {*step_, {speed(), last_measured_time_}};
+      broken_off_ = {*step_, {speed(), last_measured_time_}, speed() > kBraking * peak_speed_};
     const Eigen::Vector3d& translation = step.current_from_previous.translation;
     Remember({translation.norm(), step.seconds, VectorFromRotation(step.current_from_previous.rotation), translation});
+    peak_speed_ = std::max(speed(), peak_speed_ * std::exp(-step.seconds / kBrakingSeconds));
     const Travel recent = Recent();
     step.mean = {recent.turn / recent.seconds, recent.translation / recent.seconds};
     step_ = step;
+    const bool goes_on = broken_off_ && broken_off_->past.time < last_measured_time_;
+    if (goes_on && step.speed() > kBreak * broken_off_->past.speed) broken_off_.reset();
   }
   started_ = true;
   last_measured_time_ = time;
@@ -131,6 +137,7 @@ void MotionModel::Remember(const Travel& travel) {
 
 void MotionModel::Restart(double time, const RigidTransform& camera_from_world) {
   recent_.clear();
+  peak_speed_ = 0;
   broken_off_.reset();
   started_ = true;
   last_measured_time_ = time;
@@ -142,8 +149,22 @@ void MotionModel::Stop() {
   recent_.clear();
 }
 
+std::optional<double> MotionModel::StoppedAtOnce() const {
+  if (!broken_off_ || !broken_off_->at_once || !step_ || step_->speed() > kNoise * broken_off_->past.speed)
+    return std::nullopt;
+  return broken_off_->past.time;
+}
+
+void MotionModel::GoOn() {
+  Ensure(broken_off_.has_value(), "the motion has not broken off");
+  recent_.clear();
+  step_ = broken_off_->step;
+  last_measured_time_ = broken_off_->past.time;
+}
+
 void MotionModel::Correct(const RigidTransform& camera_from_world, double factor) {
   camera_from_world_ = camera_from_world;
+  peak_speed_ *= factor;
   if (step_) step_->Scale(factor);
   for (Travel& travel : recent_) {
     travel.length *= factor;

@@ -75,6 +75,8 @@ class MotionModel {
 
   /// The camera stands still.
   void Stop();
+  /// The camera has gone on as it did before StoppedAtOnce().
+  void GoOn();
 
   /// The last pose turned out to be this one, and lengths are `factor` times what they were.
   void Correct(const RigidTransform& camera_from_world, double factor);
@@ -84,6 +86,9 @@ class MotionModel {
   double last_measured_time() const { return last_measured_time_; }
   /// Over the last fifth of a second at least; units of length per second; 0 before two poses are known.
   double speed() const;
+  /// When the camera was measured last before it came to a standstill from one image to the next, as no car does;
+  /// empty where it did not, or moves again. What stands still is the image then, if not the estimate.
+  std::optional<double> StoppedAtOnce() const;
   /// The speed now, and the one before it broke off where it did.
   std::vector<PastSpeed> PastSpeeds() const;
   /// Relative standard deviation of a past speed as one for `time`; `depth` is that of the
@@ -115,6 +120,7 @@ class MotionModel {
   struct BrokenOff {
     Step step;
     PastSpeed past;
+    bool at_once = false;  ///< the speed had hardly fallen before
   };
 
   void Remember(const Travel& travel);
@@ -128,6 +134,7 @@ class MotionModel {
   Eigen::Vector3d vertical_ = Eigen::Vector3d::UnitY();
   std::optional<Step> step_;
   std::deque<Travel> recent_;            ///< of the last steps, the latest at the back
+  double peak_speed_ = 0;                ///< of the last seconds, decaying; units of length per second
   std::optional<BrokenOff> broken_off_;  ///< before the speed fell at once
   bool started_ = false;
 };

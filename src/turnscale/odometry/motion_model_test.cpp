@@ -177,6 +177,28 @@ TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
   ASSERT_EQ(others.size(), 2U + kTurningRates);
   ExpectNear(others[0], last);
   ExpectNear(others[1], kStep * last);
+  // At the old speed again, what broke off is over.
+  motion.Update(motion.last_measured_time() + 0.1, kStep * motion.last());
+  EXPECT_EQ(motion.OtherPredictions(motion.last_measured_time() + 0.1).size(), 1U + kTurningRates);
+}
+
+TEST(MotionModel, AStopAtOnceIsNoneOfACar) {
+  const auto drive = [](const std::vector<double>& speeds) {
+    MotionModel motion;
+    motion.Update(1.0, kStart);
+    for (const double speed : speeds)
+      motion.Update(motion.last_measured_time() + 0.1,
+                    RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, -speed}} * motion.last());
+    return motion;
+  };
+  MotionModel stopped = drive({1, 1, 1, 1, 0, 0});
+  ASSERT_TRUE(stopped.StoppedAtOnce());
+  EXPECT_NEAR(*stopped.StoppedAtOnce(), 1.4, 1e-9);
+  stopped.GoOn();
+  EXPECT_NEAR((stopped.Predict(1.5) * stopped.last().inverse()).translation.z(), -1, 1e-9);
+  EXPECT_FALSE(drive({1, 1, 1, 1}).StoppedAtOnce());
+  EXPECT_FALSE(drive({1, 1, 1, 1, 0, 1}).StoppedAtOnce()) << "goes on";
+  EXPECT_FALSE(drive({1, 1, 0.8, 0.6, 0.4, 0.2, 0.05, 0.01, 0}).StoppedAtOnce()) << "brakes";
 }
 
 TEST(MotionModel, OffersOtherTurningRates) {

@@ -67,6 +67,10 @@ std::optional<MountJump> MountJumpDetector::End() {
   return last ? std::optional(last->jump) : std::nullopt;
 }
 
+void MountJumpDetector::Rescale(double factor) {
+  for (Frame& frame : frames_) frame.world_from_camera.translation *= factor;
+}
+
 void MountJumpDetector::CorrectLast(const RigidTransform& last_from_corrected) {
   if (frames_.empty() || !last_from_corrected.IsFinite()) return;
   RigidTransform& last = frames_.back().world_from_camera;

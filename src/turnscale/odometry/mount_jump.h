@@ -32,6 +32,9 @@ class MountJumpDetector {
   std::optional<MountJump> Add(int frame, double time, const RigidTransform& previous_from_current,
                                const Eigen::Vector3d& vertical);
 
+  /// The unit of length has changed: a length is `factor` times what it was.
+  void Rescale(double factor);
+
   /// The pose of the last frame has been corrected.
   void CorrectLast(const RigidTransform& last_from_corrected);
 

@@ -74,6 +74,28 @@ std::vector<MountJump> JumpsOf(const Frames& frames, const std::function<bool(st
   return jumps;
 }
 
+TEST(MountJump, TheUnitOfLengthMayChange) {
+  Frames frames = Bend(10);
+  Turn(Yaw(-2), 45, frames);
+  MountJumpDetector detector;
+  int jumps = 0;
+  double unit = 1;
+  for (std::size_t i = 0; i < frames.times.size(); ++i) {
+    RigidTransform motion;
+    if (i > 0) motion = frames.world_from_camera[i - 1].inverse() * frames.world_from_camera[i];
+    if (i > 0 && i % 7 == 0) {
+      detector.Rescale(1.5);
+      unit *= 1.5;
+    }
+    motion.translation *= unit;
+    if (const auto jump = detector.Add(static_cast<int>(i), frames.times[i], motion, Eigen::Vector3d::UnitY())) {
+      EXPECT_EQ(jump->first_frame, 45);
+      ++jumps;
+    }
+  }
+  EXPECT_EQ(jumps, 1);
+}
+
 TEST(MountJump, AKnockIsMeasuredAtAnyRateOnAStraightAndInATurn) {
   const Eigen::Quaterniond knock = Yaw(-2) * RotationFromVector({0.01, 0, 0.02});
   for (const double fps : {10, 15, 25, 30, 60}) {

@@ -72,6 +72,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   if (waits_for_map()) return Initialize(BuildFlowImage(options_.flow, gray), result);
   FlowImage image = CopyFlowImage(options_.flow, gray);
+  if (tracker_.ShowsSamePixels(image)) last_same_time_ = time;
 
   const RigidTransform predicted = motion_.Predict(time);
   const ImageTiming timing = {.since_measured = time - motion_.last_measured_time(),
@@ -85,21 +86,9 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!tracked.camera_from_world) return Bridge(predicted, result);
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
-  // They depend on the image alone, so that they are found while the map is adjusted.
-  std::future<std::vector<cv::KeyPoint>> corners =
-      InBackground([&] { return FindCandidates(options_.corners, image.gray, image.dark); });
-  ApplyBackgroundWork();
-  AddKeyframe(result);
-  result.keyframe = true;
-  // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
-  std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
-  tracker_.Replenish(image, corners.get(), map_);
-  const bool turn_ended = ObserveScale(height.get());
-  const TurningMotion motion = StepMotion(map_, CountKeyframes(map_) - 2, mount());
-  result.psi = motion.psi;
-  result.theta = motion.theta;
-  upkeep_.StartReadjustmentIfDue(map_, mount(), turn_ended);
-  camera_refinement_.StartIfDue(map_);
+  const std::optional<MeasuredHeight> height = ExtendMap(image, result);
+  const bool turn_ended = ObserveScale(height, result);
+  StartBackgroundWork(turn_ended);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
@@ -135,6 +124,7 @@ FrameResult Odometry::NewFrame(double time, TrackingState state) {
   result.frame = frame_counter_.Add(time);
   result.time = time;
   result.state = state;
+  history_.AddWithoutPose(result);
   return result;
 }
 
@@ -142,11 +132,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
   Ensure(!finished_, "no frame follows Finish");
   frame_counter_.Check(time);
   const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
-  if (map_.keyframes.empty()) {
-    history_.AddWithoutPose(result);
-    return result;
-  }
-  return Bridge(motion_.Predict(time), result);
+  return map_.keyframes.empty() ? result : Bridge(motion_.Predict(time), result);
 }
 
 void Odometry::Finish() {
@@ -233,7 +219,10 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const bool stood = has_map && tracker_.HasStood();
   // Without an image the map is no more lost than where images are missing.
   if (has_map && !is_unreadable) ++lost_frames_;
-  const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
+  const std::optional<double> stopped_at_once = has_map ? motion_.StoppedAtOnce() : std::nullopt;
+  // The recorder has written one image again and again.
+  const bool froze = stopped_at_once && last_same_time_ > *stopped_at_once;
+  const double patience = stood && !froze ? limits.max_hidden_seconds : limits.max_lost_seconds;
   const bool gives_up =
       has_map && lost_frames_ >= limits.min_lost_frames && result.time - motion_.last_measured_time() > patience;
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
@@ -241,8 +230,14 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
   TakeJump(mount_jumps_.End());
   Readjust();
-  // The noise of standing is no motion.
-  if (stood) motion_.Stop();
+  if (stopped_at_once) {
+    // The scene does not come back: the car has gone on while the image stood still.
+    history_.ForgetMeasured(*stopped_at_once);
+    motion_.GoOn();
+  } else if (stood) {
+    // The noise of standing is no motion.
+    motion_.Stop();
+  }
   const RigidTransform last = motion_.Predict(result.time);
   WaitForMap();
   return MetricResult(result, last);
@@ -282,11 +277,32 @@ std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
   return road_.Observe(map_, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
-bool Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {
+std::optional<MeasuredHeight> Odometry::ExtendMap(const FlowImage& image, FrameResult& result) {
+  // Candidates for new features depend on the image alone: they are found while the map is adjusted.
+  std::future<std::vector<cv::KeyPoint>> corners =
+      InBackground([&] { return FindCandidates(options_.corners, image.gray, image.dark); });
+  ApplyBackgroundWork();
+  AddKeyframe(result);
+  result.keyframe = true;
+  // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
+  std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
+  tracker_.Replenish(image, corners.get(), map_);
+  return height.get();
+}
+
+bool Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result) {
   if (height) scale_.AddHeight(*height);
   const bool turn_ended = scale_.Add(map_);
   motion_.SetVertical(mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
+  const TurningMotion motion = StepMotion(map_, CountKeyframes(map_) - 2, mount());
+  result.psi = motion.psi;
+  result.theta = motion.theta;
   return turn_ended;
+}
+
+void Odometry::StartBackgroundWork(bool turn_ended) {
+  upkeep_.StartReadjustmentIfDue(map_, mount(), turn_ended);
+  camera_refinement_.StartIfDue(map_);
 }
 
 void Odometry::ApplyBackgroundWork() {
@@ -298,7 +314,7 @@ void Odometry::ApplyBackgroundWork() {
 }
 
 void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransform& last_from_keyframe) {
-  FollowMap(applied.first_rescaled, applied.factors, last_from_keyframe);
+  FollowMap(applied.keyframes.first, applied.factors, last_from_keyframe);
   scale_.Reread(map_, std::move(applied.mount), applied.keyframes);
 }
 
@@ -360,6 +376,8 @@ RigidTransform Odometry::LastFromKeyframe() const {
 void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe) {
   if (factors.empty()) return;
   history_.Rescale(first, factors);
+  tracker_.Rescale(factors.back());
+  mount_jumps_.Rescale(factors.back());
   road_.Rescale(factors.back());
   last_from_keyframe.translation *= factors.back();
   motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, factors.back());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -106,6 +107,7 @@ class Odometry {
   /// There is no map to track against: none yet, or tracking has been lost for so long that another one is needed.
   bool waits_for_map() const { return initializer_.has_value(); }
   void WaitForMap();
+  /// Numbers the next frame, which has no pose yet.
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
@@ -122,9 +124,13 @@ class Odometry {
   std::vector<int> LandmarksOfScene() const;
   /// Measures the height above the road at the latest keyframe, whose image this is. Empty where it does not show.
   std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
+  /// The frame becomes a keyframe of the map, which is adjusted, and new features of its image landmarks. Returns the
+  /// height above the road that it shows.
+  std::optional<MeasuredHeight> ExtendMap(const FlowImage& image, FrameResult& result);
   /// Updates the scale with the latest keyframe and the height that was measured there, if any. Returns whether it
   /// ended a turn.
-  bool ObserveScale(const std::optional<MeasuredHeight>& height);
+  bool ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
+  void StartBackgroundWork(bool turn_ended);
   /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
   /// is due does not depend on how long it takes.
   void ApplyBackgroundWork();
@@ -164,6 +170,8 @@ class Odometry {
 
   double last_seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
   int lost_frames_ = 0;        ///< consecutive, up to now
+  /// Of the latest image with the pixels of the one before, seconds.
+  double last_same_time_ = -std::numeric_limits<double>::infinity();
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
   bool finished_ = false;

@@ -20,12 +20,6 @@ constexpr double kLeastShare = 0.7;
 // Median motion that has to be expected where all pixels are the same, pixels: images of a car that still moves differ.
 constexpr double kExpectedOfSame = 0.2;
 
-bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {
-  for (int row = 0; row < first.rows; ++row)
-    if (!std::equal(first.ptr<uchar>(row), first.ptr<uchar>(row) + first.cols, second.ptr<uchar>(row))) return false;
-  return true;
-}
-
 // A sample of the landmarks with where they are expected.
 std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const std::vector<FeatureTrack>& tracks,
                                             const RigidTransform& predicted_from_world) {
@@ -48,6 +42,12 @@ void RepeatOptions::Check() const {
   if (!(max_motion > 0)) throw InputError("repeats.max_motion: has to be positive");
   if (!(max_interval >= 0)) throw InputError("repeats.max_interval: must not be negative");
   if (!(max_seconds >= 0)) throw InputError("repeats.max_seconds: must not be negative");
+}
+
+bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {
+  for (int row = 0; row < first.rows; ++row)
+    if (!std::equal(first.ptr<uchar>(row), first.ptr<uchar>(row) + first.cols, second.ptr<uchar>(row))) return false;
+  return true;
 }
 
 ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks) {

@@ -49,6 +49,9 @@ struct LandmarkMotion {
   Eigen::Vector2d seen = Eigen::Vector2d::Zero();
 };
 
+/// Of two images of one size.
+bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second);
+
 ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks);
 
 /// When an image was taken, seconds after others.

@@ -93,8 +93,8 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen:
   if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
   const int latest = CountKeyframes(map) - 1;
   // Across a loss of tracking the unit changes.
-  for (int k = views_.empty() ? latest : views_.back().keyframe + 1; k <= latest; ++k) {
-    if (!map.keyframes[k].after_gap) continue;
+  for (; next_keyframe_ <= latest; ++next_keyframe_) {
+    if (!map.keyframes[next_keyframe_].after_gap) continue;
     views_.clear();
     height_.reset();
     misses_ = searches_ = 0;

@@ -60,6 +60,7 @@ class RoadObserver {
   void LookAbove(const RoadPair& pair, const RoadRegion& region);
 
   RoadObserverOptions options_;
+  int next_keyframe_ = 0;         ///< the first one that has not been looked at
   std::deque<View> views_;        ///< recent keyframes, the latest last
   std::optional<double> height_;  ///< where the next search starts, map units
   int misses_ = 0;                ///< keyframes in a row that do not show the road there

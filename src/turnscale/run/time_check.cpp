@@ -33,6 +33,17 @@ constexpr double kMostSideways = 6;
 // The same, where even a car that is parked turns faster.
 constexpr double kLeastSideways = 0.25;
 
+// Intervals of which one is this many times as long as the one beside it.
+constexpr double kUneven = 2;
+// Over them, the distances differ by less than this power of the ratio of the intervals where it is the times that are
+// wrong.
+constexpr double kMostFollowed = 0.35;
+constexpr int kLeastUneven = 10;
+constexpr double kLeastUnevenShare = 0.1;  // of the steps
+constexpr double kLeastEvenShare = 0.7;    // of the pairs with uneven intervals
+// A step that counts is at least this share of the usual one: others are noise.
+constexpr double kLeastOfUsual = 0.3;
+
 struct ImageStep {
   double time = 0;      // of the image that it leads to
   double seconds = 0;   // since the image before
@@ -84,6 +95,36 @@ std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames,
       "from one image to the next as before and after, at even times: speeds are wrong, and the scale may be; give the "
       "true times of the images (--timestamps)",
       skips.size(), skips.front() - first_time);
+}
+
+std::optional<std::string> UnevenTimes(const std::vector<FrameResult>& frames, double first_time) {
+  const std::vector<std::vector<ImageStep>> rows = RowsOfSteps(frames);
+  std::vector<double> distances;
+  for (const std::vector<ImageStep>& row : rows)
+    for (const ImageStep& step : row) distances.push_back(step.distance);
+  if (distances.empty()) return std::nullopt;
+  const double least = kLeastOfUsual * Median(distances);
+  int uneven = 0;
+  std::vector<double> evenly_driven;  // times
+  for (const std::vector<ImageStep>& row : rows) {
+    for (size_t i = 1; i < row.size(); ++i) {
+      const double by_time = std::abs(std::log(row[i].seconds / row[i - 1].seconds));
+      if (by_time < std::log(kUneven) || !(std::min(row[i].distance, row[i - 1].distance) > least)) continue;
+      ++uneven;
+      const double by_distance = std::abs(std::log(row[i].distance / row[i - 1].distance));
+      if (by_distance < kMostFollowed * by_time) evenly_driven.push_back(row[i].time);
+    }
+  }
+  const double count = static_cast<double>(evenly_driven.size());
+  if (evenly_driven.size() < kLeastUneven || count < kLeastUnevenShare * static_cast<double>(distances.size()) ||
+      count < kLeastEvenShare * uneven)
+    return std::nullopt;
+  return fmt::format(
+      "the times of the images are uneven in at least {} places (the first at {:.1f} s), although the car moves as far "
+      "from one image to the next as before: they are not those of the exposure, speeds are wrong, and the scale may "
+      "be; "
+      "give the true times (--timestamps), or the rate (--fps)",
+      evenly_driven.size(), evenly_driven.front() - first_time);
 }
 
 bool JumpsBack(const ImageStep& before, const ImageStep& step, const ImageStep& after) {
@@ -157,6 +198,7 @@ std::optional<std::string> UnusualTurnsWarning(std::vector<std::pair<double, dou
 std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns,
                                       double first_time) {
   std::vector<std::string> warnings;
+  if (std::optional<std::string> uneven = UnevenTimes(frames, first_time)) warnings.push_back(std::move(*uneven));
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return warnings;
   if (std::optional<std::string> skipped = SkippedImages(frames, first_time)) warnings.push_back(std::move(*skipped));
   if (std::optional<std::string> jump = JumpBack(frames, first_time)) warnings.push_back(std::move(*jump));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/time_check.h"
 
+#include <cmath>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -54,6 +56,22 @@ TEST(TimeCheck, ADriveWithAllItsImagesIsFine) {
   // Creeping along, with noise as large as the steps.
   Random random(1);
   EXPECT_FALSE(HasWarning(Drive(2000, [&](int) { return 0.02 + 0.02 * random.Uniform(-1, 1); })));
+}
+
+TEST(TimeCheck, TimesOfArrivalAreReported) {
+  Random random(2);
+  auto frames = Drive(200, [&](int i) { return 0.8 + 0.3 * std::sin(0.05 * i) + 0.02 * random.Uniform(-1, 1); });
+  EXPECT_FALSE(HasWarning(frames));
+  // In bursts of five.
+  for (int i = 0; i < 200; ++i) frames[i].time = 0.1 * (i - i % 5) + 0.01 * (i % 5);
+  ASSERT_EQ(TimeWarnings(frames, {}).size(), 1U);
+  EXPECT_NE(TimeWarnings(frames, {})[0].find("uneven"), std::string::npos);
+  for (FrameResult& frame : frames) frame.scale_state = ScaleState::kPending;
+  EXPECT_TRUE(HasWarning(frames)) << "up to scale, too";
+  // A video of two rates, whose car goes as far as the times say.
+  frames = Drive(200, [](int i) { return i % 3 == 0 ? 1.5 : 0.5; });
+  for (int i = 1; i < 200; ++i) frames[i].time = frames[i - 1].time + (i % 3 == 0 ? 0.15 : 0.05);
+  EXPECT_FALSE(HasWarning(frames));
 }
 
 TEST(TimeCheck, MissingImagesAreReported) {

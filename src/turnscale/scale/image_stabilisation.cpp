@@ -18,6 +18,7 @@ namespace {
 constexpr int kSmoothingReweightings = 20;
 constexpr double kSmoothingHuber = 1.5;  // robust standard deviations
 constexpr std::size_t kFewestSteps = 8;  // to fit a variance to
+constexpr double kMostScaleError = 0.5;  // that stabilisation causes, relative
 
 // A step whose lateral displacement may show smoothing.
 struct SmoothedStep {
@@ -134,6 +135,8 @@ std::optional<ImageSmoothing> FindImageSmoothing(std::span<const VehicleStep> al
       std::max(Square(options.min_smoothing), options.min_smoothing_deviation * smoothing.variance_sigma);
   if (!(smoothing.variance > least)) return std::nullopt;
   smoothing.scale_error = ScaleError(smoothing.variance, steps);
+  // Where times or poses are wrong, yaw accelerations are, and look like any smoothing.
+  if (!(smoothing.scale_error < kMostScaleError)) return std::nullopt;
   return smoothing;
 }
 
