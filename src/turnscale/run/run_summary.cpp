@@ -18,6 +18,7 @@
 #include "turnscale/run/settings.h"
 #include "turnscale/run/time_check.h"
 #include "turnscale/run/turn_warning.h"
+#include "turnscale/run/view_change.h"
 
 namespace turnscale {
 namespace {
@@ -317,6 +318,7 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
   for (std::string& warning : TimeWarnings(refined, scale.turns, first_time)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
+  add(ViewChangeText(FindViewChanges(refined, summary.restarts), first_time));
   add(ImpossibleMotionText(impossible, first_time));
   if (summary.uncertain_scale)
     add(UncertainScaleText(SinceFirst(*summary.uncertain_scale, first_time), summary.distance));
@@ -428,7 +430,7 @@ void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages
   const MissingPart shown = SinceFirst(*before, summary.first_time);
   std::string warning =
       IsMost(*before, frames) ? LateBeginningText(shown, summary.frames, seen) : NoMapBeforeText(shown, summary.frames);
-  if (summary.is_metric())
+  if (summary.is_scale_known())
     warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
   summary.warnings.push_back(std::move(warning));
 }

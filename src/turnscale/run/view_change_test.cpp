@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/view_change.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+// Ten images a second, 100 landmarks in each; `lost` are without a pose.
+std::vector<FrameResult> Frames(int count, int first_lost, int lost) {
+  std::vector<FrameResult> frames(count);
+  for (int i = 0; i < count; ++i) {
+    frames[i].frame = i;
+    frames[i].time = 5 + 0.1 * i;
+    frames[i].inliers = 100;
+    const bool is_lost = i >= first_lost && i < first_lost + lost;
+    frames[i].state = is_lost ? TrackingState::kBridged : TrackingState::kTracked;
+    frames[i].world_from_camera = RigidTransform();
+  }
+  return frames;
+}
+
+TEST(ViewChange, IsFoundWhereGoodTrackingEndsAndTheMapBeginsAnew) {
+  const std::vector<FrameResult> frames = Frames(60, 30, 5);
+  const std::vector<double> times = FindViewChanges(frames, {{.frame = 35, .time = 8.5}});
+  ASSERT_EQ(times.size(), 1U);
+  EXPECT_NEAR(times[0], 8.0, 1e-9) << "of the first image of the other view";
+  const std::string text = ViewChangeText(times, 5);
+  EXPECT_NE(text.find("at 3.0 s,"), std::string::npos) << text;
+  EXPECT_NE(ViewChangeText({6, 8}, 5).find("at 1.0 s (the first of 2 such places)"), std::string::npos);
+  EXPECT_EQ(ViewChangeText({}, 5), "");
+}
+
+TEST(ViewChange, IsNoneWhereTrackingWasLostBitByBitOrForLong) {
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 12), {{.frame = 42, .time = 9.2}}).empty()) << "hidden for long";
+  std::vector<FrameResult> fading = Frames(60, 30, 5);
+  fading[29].inliers = 40;
+  EXPECT_TRUE(FindViewChanges(fading, {{.frame = 35, .time = 8.5}}).empty());
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 5), {}).empty()) << "the same map goes on";
+  EXPECT_TRUE(FindViewChanges({}, {{.frame = 35, .time = 8.5}}).empty());
+}
+
+}  // namespace
+}  // namespace turnscale
