@@ -7,6 +7,11 @@
 
 namespace turnscale {
 
+/// Throws InputError with `what` unless the condition holds: "field: why", as below.
+inline void Require(bool holds, const std::string& what) {
+  if (!holds) throw InputError(what);
+}
+
 /// Checks options that are part of others. Throws InputError that names the field as "`prefix`field": the check of a
 /// part knows its fields, only the owner knows where the part stands.
 ///

@@ -34,6 +34,10 @@ struct CameraModel {
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;
+  /// The same of a point in front of the image plane; nothing of others, even if the lens is wide enough to see them.
+  std::optional<Eigen::Vector2d> ProjectInFront(const Eigen::Vector3d& x_in_camera) const {
+    return x_in_camera.z() > 0 ? Project(x_in_camera) : std::nullopt;
+  }
 
   /// The pixel that the ideal pinhole camera (same intrinsics) would show; nothing where the ray is not in front of
   /// the image plane or the model cannot be inverted.

@@ -120,10 +120,10 @@ cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std
 }  // namespace
 
 void CornerOptions::Check() const {
-  if (target < 50) throw InputError("corners.target: has to be at least 50");
-  if (fast_threshold < 1 || fast_threshold > 255) throw InputError("corners.fast_threshold: has to be in 1...255");
-  if (!(min_distance >= 1)) throw InputError("corners.min_distance: has to be at least 1 pixel");
-  if (border < 4) throw InputError("corners.border: has to be at least 4 pixels");
+  if (target < 50) throw InputError("target: has to be at least 50");
+  if (fast_threshold < 1 || fast_threshold > 255) throw InputError("fast_threshold: has to be in 1...255");
+  if (!(min_distance >= 1)) throw InputError("min_distance: has to be at least 1 pixel");
+  if (border < 4) throw InputError("border: has to be at least 4 pixels");
 }
 
 std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, bool dark) {

@@ -163,11 +163,11 @@ TEST(Corners, SameImageSameCorners) {
 
 TEST(Corners, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<CornerOptions>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.target = 49; }), "corners.target");
-  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 0; }), "corners.fast_threshold");
-  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 256; }), "corners.fast_threshold");
-  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.min_distance = std::nan(""); }), "corners.min_distance");
-  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.border = 3; }), "corners.border");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.target = 49; }), "target");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 0; }), "fast_threshold");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 256; }), "fast_threshold");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.min_distance = std::nan(""); }), "min_distance");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.border = 3; }), "border");
 }
 
 }  // namespace

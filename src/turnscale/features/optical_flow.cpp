@@ -142,12 +142,12 @@ bool Inside(const cv::Point2f& point, const cv::Size& size) {
 
 void FlowOptions::Check() const {
   const auto is_window = [](int side) { return side >= 5 && side <= kMostFlowWindow && side % 2 == 1; };
-  if (!is_window(window)) throw InputError("flow.window: has to be odd and in 5...31 pixels");
-  if (!is_window(dark_window)) throw InputError("flow.dark_window: has to be odd and in 5...31 pixels");
-  if (levels < 0 || levels > 8) throw InputError("flow.levels: has to be in 0...8");
-  if (!(max_return_error > 0)) throw InputError("flow.max_return_error: has to be positive");
-  if (!(min_brightness >= 0 && min_brightness <= 255)) throw InputError("flow.min_brightness: has to be in 0...255");
-  if (!(max_brightness_change > 0)) throw InputError("flow.max_brightness_change: has to be positive");
+  if (!is_window(window)) throw InputError("window: has to be odd and in 5...31 pixels");
+  if (!is_window(dark_window)) throw InputError("dark_window: has to be odd and in 5...31 pixels");
+  if (levels < 0 || levels > 8) throw InputError("levels: has to be in 0...8");
+  if (!(max_return_error > 0)) throw InputError("max_return_error: has to be positive");
+  if (!(min_brightness >= 0 && min_brightness <= 255)) throw InputError("min_brightness: has to be in 0...255");
+  if (!(max_brightness_change > 0)) throw InputError("max_brightness_change: has to be positive");
 }
 
 FlowImage CopyFlowImage(const FlowOptions& options, const cv::Mat& gray) {

@@ -283,14 +283,14 @@ TEST(OpticalFlow, LargerPatchesFollowADarkImage) {
 
 TEST(OpticalFlow, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<FlowOptions>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 14; }), "flow.window");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 3; }), "flow.window");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.dark_window = 24; }), "flow.dark_window");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = -1; }), "flow.levels");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = 9; }), "flow.levels");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_return_error = 0; }), "flow.max_return_error");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.min_brightness = -1; }), "flow.min_brightness");
-  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_brightness_change = 0; }), "flow.max_brightness_change");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 14; }), "window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 3; }), "window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.dark_window = 24; }), "dark_window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = -1; }), "levels");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = 9; }), "levels");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_return_error = 0; }), "max_return_error");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.min_brightness = -1; }), "min_brightness");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_brightness_change = 0; }), "max_brightness_change");
 }
 
 }  // namespace

@@ -65,11 +65,11 @@ class Alignment {
 }  // namespace
 
 void PatchAlignmentOptions::Check() const {
-  if (half_size < 2 || half_size > kMostPatchHalf) throw InputError("alignment.half_size: has to be in 2...20 pixels");
-  if (max_iterations < 1) throw InputError("alignment.max_iterations: has to be at least 1");
-  if (!(tolerance > 0)) throw InputError("alignment.tolerance: has to be positive");
-  if (!(max_distance > 0)) throw InputError("alignment.max_distance: has to be positive");
-  if (!(min_correlation < 1)) throw InputError("alignment.min_correlation: has to be below 1");
+  if (half_size < 2 || half_size > kMostPatchHalf) throw InputError("half_size: has to be in 2...20 pixels");
+  if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
+  if (!(tolerance > 0)) throw InputError("tolerance: has to be positive");
+  if (!(max_distance > 0)) throw InputError("max_distance: has to be positive");
+  if (!(min_correlation < 1)) throw InputError("min_correlation: has to be below 1");
 }
 
 std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, const cv::Mat& reference,

@@ -165,12 +165,12 @@ TEST(PatchAlignment, RefusesToGoFar) {
 
 TEST(PatchAlignment, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.half_size = 1; }), "alignment.half_size");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.half_size = 21; }), "alignment.half_size");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.max_iterations = 0; }), "alignment.max_iterations");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.tolerance = 0; }), "alignment.tolerance");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.max_distance = 0; }), "alignment.max_distance");
-  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.min_correlation = 1; }), "alignment.min_correlation");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.half_size = 1; }), "half_size");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.half_size = 21; }), "half_size");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.max_iterations = 0; }), "max_iterations");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.tolerance = 0; }), "tolerance");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.max_distance = 0; }), "max_distance");
+  EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.min_correlation = 1; }), "min_correlation");
 }
 
 // The same pixels, once as an image of their own and once within larger ones.

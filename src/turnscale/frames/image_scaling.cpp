@@ -32,12 +32,12 @@ cv::Mat EnlargedMask(const cv::Mat& mask, int side) {
 }  // namespace
 
 void ImageOptions::Check() const {
-  if (max_width < 0) throw InputError("images.max_width: must not be negative");
+  if (max_width < 0) throw InputError("max_width: must not be negative");
   constexpr int kWidest = 4096;   // pixels: enlarged further, images take memory and show nothing more
   constexpr int kNarrowest = 64;  // pixels: below this, too few patches of features fit into an image
-  if (min_width < 0 || min_width > kWidest) throw InputError("images.min_width: has to be in 0...4096");
+  if (min_width < 0 || min_width > kWidest) throw InputError("min_width: has to be in 0...4096");
   if (max_width > 0 && max_width < kNarrowest)
-    throw InputError("images.max_width: has to be 0 (no limit) or at least 64 pixels");
+    throw InputError("max_width: has to be 0 (no limit) or at least 64 pixels");
 }
 
 ImageScaling::ImageScaling(const cv::Size& size, const ImageOptions& options) : size_(size) {

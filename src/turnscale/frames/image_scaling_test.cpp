@@ -30,10 +30,10 @@ ImageScaling Enlarging(const cv::Size& size, int min_width) { return {size, {.ma
 TEST(ImageOptions, ASenselessWidthIsRefused) {
   const auto refused = [](auto change) { return RefusedField<ImageOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.max_width = -1; }), "images.max_width");
-  EXPECT_EQ(refused([](auto& o) { o.max_width = 63; }), "images.max_width");
-  EXPECT_EQ(refused([](auto& o) { o.min_width = -1; }), "images.min_width");
-  EXPECT_EQ(refused([](auto& o) { o.min_width = 5000; }), "images.min_width");
+  EXPECT_EQ(refused([](auto& o) { o.max_width = -1; }), "max_width");
+  EXPECT_EQ(refused([](auto& o) { o.max_width = 63; }), "max_width");
+  EXPECT_EQ(refused([](auto& o) { o.min_width = -1; }), "min_width");
+  EXPECT_EQ(refused([](auto& o) { o.min_width = 5000; }), "min_width");
 }
 
 TEST(ImageScaling, HalvesUntilTheWidthFits) {

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/base/error.h"
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/geometry/rotation.h"
@@ -185,15 +185,12 @@ RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floo
 }
 
 void PooledLineOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta_deg: has to be positive");
-  require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold: has to be positive");
-  require(min_inliers >= 1, "min_inliers: has to be at least 1");
-  require(std::isfinite(sigma_psi) && sigma_psi >= 0, "sigma_psi_deg: must not be negative");
-  require(min_forward_share > 0 && min_forward_share < 1, "min_forward_share: has to be above 0 and below 1");
-  require(std::isfinite(min_angle) && min_angle >= 0, "min_angle_deg: must not be negative");
+  Require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta_deg: has to be positive");
+  Require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold: has to be positive");
+  Require(min_inliers >= 1, "min_inliers: has to be at least 1");
+  Require(std::isfinite(sigma_psi) && sigma_psi >= 0, "sigma_psi_deg: must not be negative");
+  Require(min_forward_share > 0 && min_forward_share < 1, "min_forward_share: has to be above 0 and below 1");
+  Require(std::isfinite(min_angle) && min_angle >= 0, "min_angle_deg: must not be negative");
 }
 
 double LateralNoise(std::span<const VehicleStep> steps, double sigma_theta) {

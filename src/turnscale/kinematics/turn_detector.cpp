@@ -3,18 +3,15 @@
 
 #include <cmath>
 
-#include "turnscale/base/error.h"
+#include "turnscale/base/check_part.h"
 
 namespace turnscale {
 
 void TurnDetectorOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(std::isfinite(min_step_angle) && min_step_angle > 0, "min_step_angle_deg: has to be positive");
-  require(min_steps >= 1, "min_steps: has to be at least 1");
-  require(std::isfinite(min_region_angle) && min_region_angle >= 0, "min_region_angle_deg: must not be negative");
-  require(max_weak_steps >= 0, "max_weak_steps: must not be negative");
+  Require(std::isfinite(min_step_angle) && min_step_angle > 0, "min_step_angle_deg: has to be positive");
+  Require(min_steps >= 1, "min_steps: has to be at least 1");
+  Require(std::isfinite(min_region_angle) && min_region_angle >= 0, "min_region_angle_deg: must not be negative");
+  Require(max_weak_steps >= 0, "max_weak_steps: must not be negative");
 }
 
 TurnDetector::TurnDetector(const TurnDetectorOptions& options) : options_(options) { options_.Check(); }

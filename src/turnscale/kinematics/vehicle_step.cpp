@@ -56,13 +56,13 @@ double VehicleStep::signed_square_speed() const {
 double VehicleStep::signed_speed() const { return std::copysign(speed() * std::sqrt(square_speed_ratio), forward()); }
 
 void VehicleStepOptions::Check() const {
-  if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle_deg: has to be from 0 to below 28.6");
-  if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");
-  if (max_poses < 1) throw InputError("steps.max_poses: has to be at least 1");
-  if (!(max_pose_interval > 0)) throw InputError("steps.max_pose_interval: has to be positive");
-  if (!(max_pose_turn > 0)) throw InputError("steps.max_pose_turn_deg: has to be positive");
-  if (!(max_speed_ratio > 1)) throw InputError("steps.max_speed_ratio: has to be above 1");
-  if (!(max_direction > 0)) throw InputError("steps.max_direction_deg: has to be positive");
+  if (!(angle >= 0 && angle < 0.5)) throw InputError("angle_deg: has to be from 0 to below 28.6");
+  if (!(max_duration > 0)) throw InputError("max_duration: has to be positive");
+  if (max_poses < 1) throw InputError("max_poses: has to be at least 1");
+  if (!(max_pose_interval > 0)) throw InputError("max_pose_interval: has to be positive");
+  if (!(max_pose_turn > 0)) throw InputError("max_pose_turn_deg: has to be positive");
+  if (!(max_speed_ratio > 1)) throw InputError("max_speed_ratio: has to be above 1");
+  if (!(max_direction > 0)) throw InputError("max_direction_deg: has to be positive");
 }
 
 bool AreFarApart(std::optional<double> seconds, double turned, const VehicleStepOptions& options) {

@@ -393,14 +393,14 @@ TEST(CutIntoSteps, AGapBeforeAPoseThatIsNotFiniteIsOneBeforeTheNext) {
 TEST(VehicleStepOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<VehicleStepOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.angle = -0.1; }), "steps.angle_deg");
-  EXPECT_EQ(refused([](auto& o) { o.angle = 0.5; }), "steps.angle_deg");
-  EXPECT_EQ(refused([](auto& o) { o.max_duration = 0; }), "steps.max_duration");
-  EXPECT_EQ(refused([](auto& o) { o.max_poses = 0; }), "steps.max_poses");
-  EXPECT_EQ(refused([](auto& o) { o.max_pose_interval = 0; }), "steps.max_pose_interval");
-  EXPECT_EQ(refused([](auto& o) { o.max_pose_turn = 0; }), "steps.max_pose_turn_deg");
-  EXPECT_EQ(refused([](auto& o) { o.max_speed_ratio = 1; }), "steps.max_speed_ratio");
-  EXPECT_EQ(refused([](auto& o) { o.max_direction = 0; }), "steps.max_direction_deg");
+  EXPECT_EQ(refused([](auto& o) { o.angle = -0.1; }), "angle_deg");
+  EXPECT_EQ(refused([](auto& o) { o.angle = 0.5; }), "angle_deg");
+  EXPECT_EQ(refused([](auto& o) { o.max_duration = 0; }), "max_duration");
+  EXPECT_EQ(refused([](auto& o) { o.max_poses = 0; }), "max_poses");
+  EXPECT_EQ(refused([](auto& o) { o.max_pose_interval = 0; }), "max_pose_interval");
+  EXPECT_EQ(refused([](auto& o) { o.max_pose_turn = 0; }), "max_pose_turn_deg");
+  EXPECT_EQ(refused([](auto& o) { o.max_speed_ratio = 1; }), "max_speed_ratio");
+  EXPECT_EQ(refused([](auto& o) { o.max_direction = 0; }), "max_direction_deg");
 }
 
 }  // namespace

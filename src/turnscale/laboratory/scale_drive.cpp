@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/bundle/bundle_adjustment.h"
@@ -100,22 +101,19 @@ constexpr double kCostTolerance = 1e-4;
 }  // namespace
 
 void ScaleDriveOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
   drive.Check();
-  require(points >= 1, "points: must be at least 1");
-  require(points_aside > 0, "points_aside: must be above 0 m");
-  require(points_above + points_below > 0, "points_above, points_below: together must be above 0 m");
-  require(points_beyond >= 0, "points_beyond: must not be negative");
-  require(nearest > 0 && view_limit > nearest, "view_limit: must be above nearest, and that above 0 m");
-  require(step_frames >= 1, "step_frames: must be at least 1");
-  require(keyframe_frames >= 1, "keyframe_frames: must be at least 1");
-  require(turning_keyframe_frames >= 1, "turning_keyframe_frames: must be at least 1");
-  require(pixel_noise > 0, "pixel_noise: must be above 0 pixels");
-  require(rotation_noise >= 0, "rotation_noise: must not be negative");
-  require(scale_loss >= 0 && scale_loss < 1, "scale_loss: must lie in [0, 1)");
-  require(scale_loss_frames >= 1, "scale_loss_frames: must be at least 1");
+  Require(points >= 1, "points: must be at least 1");
+  Require(points_aside > 0, "points_aside: must be above 0 m");
+  Require(points_above + points_below > 0, "points_above, points_below: together must be above 0 m");
+  Require(points_beyond >= 0, "points_beyond: must not be negative");
+  Require(nearest > 0 && view_limit > nearest, "view_limit: must be above nearest, and that above 0 m");
+  Require(step_frames >= 1, "step_frames: must be at least 1");
+  Require(keyframe_frames >= 1, "keyframe_frames: must be at least 1");
+  Require(turning_keyframe_frames >= 1, "turning_keyframe_frames: must be at least 1");
+  Require(pixel_noise > 0, "pixel_noise: must be above 0 pixels");
+  Require(rotation_noise >= 0, "rotation_noise: must not be negative");
+  Require(scale_loss >= 0 && scale_loss < 1, "scale_loss: must lie in [0, 1)");
+  Require(scale_loss_frames >= 1, "scale_loss_frames: must be at least 1");
 }
 
 ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {

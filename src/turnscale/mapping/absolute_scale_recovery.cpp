@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
 
 namespace turnscale {
@@ -158,15 +159,12 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
 }  // namespace
 
 void ScaleRecoveryOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma: has to be positive");
-  require(std::isfinite(pixel_sigma_inflation) && pixel_sigma_inflation >= 1,
+  Require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma: has to be positive");
+  Require(std::isfinite(pixel_sigma_inflation) && pixel_sigma_inflation >= 1,
           "pixel_sigma_inflation: has to be at least 1");
-  require(max_iterations >= 1, "max_iterations: has to be at least 1");
-  require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold: must not be negative");
-  require(max_stretch > 1, "max_stretch: has to be above 1");
+  Require(max_iterations >= 1, "max_iterations: has to be at least 1");
+  Require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold: must not be negative");
+  Require(max_stretch > 1, "max_stretch: has to be above 1");
 }
 
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,

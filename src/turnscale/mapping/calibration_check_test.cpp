@@ -275,11 +275,10 @@ TEST(CalibrationCheck, CanBeSwitchedOff) {
 TEST(CalibrationCheck, OptionsNameTheFieldThatMakesNoSense) {
   using Options = CalibrationCheckOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "calibration_check.window");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_turn_deg = 0; }), "calibration_check.min_turn_deg");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.focal_prior_sigma = std::nan(""); }),
-            "calibration_check.focal_prior_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.significance = -1; }), "calibration_check.significance");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_turn_deg = 0; }), "min_turn_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.focal_prior_sigma = std::nan(""); }), "focal_prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.significance = -1; }), "significance");
 }
 
 }  // namespace

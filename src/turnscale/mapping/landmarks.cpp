@@ -36,9 +36,9 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
 }  // namespace
 
 void LandmarkOptions::Check() const {
-  if (!(min_parallax_deg > 0)) throw InputError("landmarks.min_parallax_deg: has to be positive");
-  if (!(min_parallax >= 0)) throw InputError("landmarks.min_parallax: must not be negative");
-  if (!(max_reprojection_error > 0)) throw InputError("landmarks.max_reprojection_error: has to be positive");
+  if (!(min_parallax_deg > 0)) throw InputError("min_parallax_deg: has to be positive");
+  if (!(min_parallax >= 0)) throw InputError("min_parallax: must not be negative");
+  if (!(max_reprojection_error > 0)) throw InputError("max_reprojection_error: has to be positive");
 }
 
 double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_world, const Eigen::Vector3d& point,

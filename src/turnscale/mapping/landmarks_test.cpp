@@ -162,10 +162,10 @@ TEST(Landmarks, ATrackThatEndedBeforeIsNotLostAgain) {
 
 TEST(Landmarks, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax_deg = 0; }), "landmarks.min_parallax_deg");
-  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax = -1; }), "landmarks.min_parallax");
+  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax_deg = 0; }), "min_parallax_deg");
+  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax = -1; }), "min_parallax");
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.max_reprojection_error = std::nan(""); }),
-            "landmarks.max_reprojection_error");
+            "max_reprojection_error");
 }
 
 }  // namespace

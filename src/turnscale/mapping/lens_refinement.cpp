@@ -46,16 +46,15 @@ LensChange CorrectionOf(double correction) { return correction * LensChange::Uni
 }  // namespace
 
 void LensRefinementOptions::Check() const {
-  if (window < 3) throw InputError("lens.window: has to be at least 3 keyframes");
-  if (!(min_turn_deg >= 0)) throw InputError("lens.min_turn_deg: must not be negative");
-  if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
-  if (!(accurate_share >= 0 && accurate_share < 1))
-    throw InputError("lens.accurate_share: has to be from 0 to below 1");
+  if (window < 3) throw InputError("window: has to be at least 3 keyframes");
+  if (!(min_turn_deg >= 0)) throw InputError("min_turn_deg: must not be negative");
+  if (!(prior_sigma > 0)) throw InputError("prior_sigma: has to be positive");
+  if (!(accurate_share >= 0 && accurate_share < 1)) throw InputError("accurate_share: has to be from 0 to below 1");
   if (!(accurate_sigma > 0 && accurate_sigma < prior_sigma))
-    throw InputError("lens.accurate_sigma: has to be positive and below lens.prior_sigma");
-  if (!(step > 0)) throw InputError("lens.step: has to be positive");
-  if (max_landmarks < 20) throw InputError("lens.max_landmarks: has to be at least 20");
-  if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
+    throw InputError("accurate_sigma: has to be positive and below lens.prior_sigma");
+  if (!(step > 0)) throw InputError("step: has to be positive");
+  if (max_landmarks < 20) throw InputError("max_landmarks: has to be at least 20");
+  if (!(pixel_sigma > 0)) throw InputError("pixel_sigma: has to be positive");
 }
 
 LensRefinement::LensRefinement(const LensRefinementOptions& options)

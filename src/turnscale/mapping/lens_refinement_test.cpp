@@ -270,14 +270,14 @@ TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
 TEST(LensRefinement, OptionsNameTheFieldThatMakesNoSense) {
   using Options = LensRefinementOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "lens.window");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.prior_sigma = 0; }), "lens.prior_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_share = 1; }), "lens.accurate_share");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = 0; }), "lens.accurate_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = o.prior_sigma; }), "lens.accurate_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.step = -1; }), "lens.step");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_landmarks = 19; }), "lens.max_landmarks");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = std::nan(""); }), "lens.pixel_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.prior_sigma = 0; }), "prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_share = 1; }), "accurate_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = 0; }), "accurate_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = o.prior_sigma; }), "accurate_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.step = -1; }), "step");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_landmarks = 19; }), "max_landmarks");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = std::nan(""); }), "pixel_sigma");
 }
 
 }  // namespace

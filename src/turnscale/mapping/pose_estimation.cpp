@@ -81,9 +81,9 @@ bool Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, cons
 }  // namespace
 
 void PoseEstimationOptions::Check() const {
-  if (!(inlier_threshold > 0)) throw InputError("pose.inlier_threshold: has to be positive");
-  if (!(huber_threshold > 0)) throw InputError("pose.huber_threshold: has to be positive");
-  if (max_iterations < 1) throw InputError("pose.max_iterations: has to be at least 1");
+  if (!(inlier_threshold > 0)) throw InputError("inlier_threshold: has to be positive");
+  if (!(huber_threshold > 0)) throw InputError("huber_threshold: has to be positive");
+  if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
 }
 
 PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& pinhole,

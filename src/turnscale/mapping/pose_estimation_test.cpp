@@ -94,9 +94,9 @@ TEST(PoseEstimation, TooFewSightingsGiveNoInliersOutOfNothing) {
 TEST(PoseEstimation, OptionsNameTheFieldThatMakesNoSense) {
   using Options = PoseEstimationOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.inlier_threshold = 0; }), "pose.inlier_threshold");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.huber_threshold = 0; }), "pose.huber_threshold");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "pose.max_iterations");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.inlier_threshold = 0; }), "inlier_threshold");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.huber_threshold = 0; }), "huber_threshold");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "max_iterations");
 }
 
 }  // namespace

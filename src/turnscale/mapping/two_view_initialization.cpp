@@ -165,21 +165,18 @@ int TakeLandmarks(const TwoViewOptions& options, const TwoViewBundle& bundle, co
 }  // namespace
 
 void TwoViewOptions::Check() const {
-  if (!(min_motion >= 0)) throw InputError("initialization.min_motion: must not be negative");
-  if (!(min_parallax > 0)) throw InputError("initialization.min_parallax: has to be positive");
-  if (!(min_parallax_deg > 0)) throw InputError("initialization.min_parallax_deg: has to be positive");
-  if (!(max_epipolar_error > 0)) throw InputError("initialization.max_epipolar_error: has to be positive");
-  if (min_landmarks < 8) throw InputError("initialization.min_landmarks: has to be at least 8");
-  if (!(min_landmark_share >= 0 && min_landmark_share <= 1))
-    throw InputError("initialization.min_landmark_share: has to be in 0...1");
+  if (!(min_motion >= 0)) throw InputError("min_motion: must not be negative");
+  if (!(min_parallax > 0)) throw InputError("min_parallax: has to be positive");
+  if (!(min_parallax_deg > 0)) throw InputError("min_parallax_deg: has to be positive");
+  if (!(max_epipolar_error > 0)) throw InputError("max_epipolar_error: has to be positive");
+  if (min_landmarks < 8) throw InputError("min_landmarks: has to be at least 8");
+  if (!(min_landmark_share >= 0 && min_landmark_share <= 1)) throw InputError("min_landmark_share: has to be in 0...1");
   if (fewest_landmarks < 8 || fewest_landmarks > min_landmarks)
-    throw InputError("initialization.fewest_landmarks: has to be from 8 to initialization.min_landmarks");
-  if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
-    throw InputError("initialization.min_inlier_share: has to be in 0...1");
-  if (!(min_landmark_parallax_deg > 0))
-    throw InputError("initialization.min_landmark_parallax_deg: has to be positive");
+    throw InputError("fewest_landmarks: has to be from 8 to initialization.min_landmarks");
+  if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) throw InputError("min_inlier_share: has to be in 0...1");
+  if (!(min_landmark_parallax_deg > 0)) throw InputError("min_landmark_parallax_deg: has to be positive");
   if (!(initial_baseline > 0 && std::isfinite(initial_baseline)))
-    throw InputError("initialization.initial_baseline: has to be a positive number");
+    throw InputError("initial_baseline: has to be a positive number");
 }
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,

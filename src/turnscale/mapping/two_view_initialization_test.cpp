@@ -159,18 +159,17 @@ TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
 TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {
   using Options = TwoViewOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_motion = -1; }), "initialization.min_motion");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax = 0; }), "initialization.min_parallax");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax_deg = 0; }), "initialization.min_parallax_deg");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "initialization.max_epipolar_error");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmarks = 7; }), "initialization.min_landmarks");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_share = -0.1; }), "initialization.min_landmark_share");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.fewest_landmarks = 81; }), "initialization.fewest_landmarks");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_inlier_share = 1.1; }), "initialization.min_inlier_share");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_parallax_deg = 0; }),
-            "initialization.min_landmark_parallax_deg");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = 0; }), "initialization.initial_baseline");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = HUGE_VAL; }), "initialization.initial_baseline");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_motion = -1; }), "min_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax = 0; }), "min_parallax");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax_deg = 0; }), "min_parallax_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "max_epipolar_error");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmarks = 7; }), "min_landmarks");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_share = -0.1; }), "min_landmark_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.fewest_landmarks = 81; }), "fewest_landmarks");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_inlier_share = 1.1; }), "min_inlier_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_parallax_deg = 0; }), "min_landmark_parallax_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = 0; }), "initial_baseline");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = HUGE_VAL; }), "initial_baseline");
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const std::vector<Feature
     const Eigen::Vector3d x = landmark.valid
                                   ? Eigen::Vector3d(predicted_from_world * landmark.position)
                                   : Eigen::Vector3d(predicted_from_last * map.camera.pinhole.Ray(track.undistorted));
-    const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
+    const std::optional<Eigen::Vector2d> pixel = map.camera.ProjectInFront(x);
     guesses.push_back(pixel ? ToPoint(*pixel) : track.pixel);
   }
   return guesses;
@@ -134,7 +134,7 @@ std::optional<Eigen::Matrix2d> CurrentFromReference(const CameraModel& camera, c
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d moved = current_from_reference * points[i];
     const std::optional<Eigen::Vector2d> reference = lens.Project(points[i]);
-    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? lens.Project(moved) : std::nullopt;
+    const std::optional<Eigen::Vector2d> current = lens.ProjectInFront(moved);
     if (!reference || !current) return std::nullopt;
     in_reference[i] = *reference;
     in_current[i] = *current;
@@ -179,7 +179,7 @@ std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& 
 
 std::optional<cv::Point2f> PixelOf(const Map& map, int landmark, const RigidTransform& camera_from_world) {
   const Eigen::Vector3d x = camera_from_world * map.landmarks[landmark].position;
-  const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
+  const std::optional<Eigen::Vector2d> pixel = map.camera.ProjectInFront(x);
   if (!pixel || pixel->x() < 0 || pixel->y() < 0) return std::nullopt;
   if (pixel->x() > map.camera.width - 1 || pixel->y() > map.camera.height - 1) return std::nullopt;
   return ToPoint(*pixel);

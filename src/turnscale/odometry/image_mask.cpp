@@ -23,11 +23,10 @@ constexpr double kLeastCell = 16;
 }  // namespace
 
 void StaticRegionOptions::Check() const {
-  if (columns < 4) throw InputError("static_regions.columns: has to be at least 4");
-  if (!(max_motion > 0)) throw InputError("static_regions.max_motion: has to be positive");
-  if (!(min_expected_motion > max_motion))
-    throw InputError("static_regions.min_expected_motion: has to be above max_motion");
-  if (min_evidence < 1) throw InputError("static_regions.min_evidence: has to be at least 1");
+  if (columns < 4) throw InputError("columns: has to be at least 4");
+  if (!(max_motion > 0)) throw InputError("max_motion: has to be positive");
+  if (!(min_expected_motion > max_motion)) throw InputError("min_expected_motion: has to be above max_motion");
+  if (min_evidence < 1) throw InputError("min_evidence: has to be at least 1");
 }
 
 double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first, const Eigen::Vector2d& pixel) {

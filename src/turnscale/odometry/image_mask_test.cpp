@@ -150,10 +150,10 @@ TEST(ImageMask, AGivenMaskOfAnotherSizeIsRefused) {
 TEST(StaticRegionOptions, NameTheFieldThatMakesNoSense) {
   using Options = StaticRegionOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.columns = 3; }), "static_regions.columns");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "static_regions.max_motion");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_expected_motion = 1; }), "static_regions.min_expected_motion");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_evidence = 0; }), "static_regions.min_evidence");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.columns = 3; }), "columns");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "max_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_expected_motion = 1; }), "min_expected_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_evidence = 0; }), "min_evidence");
 }
 
 }  // namespace

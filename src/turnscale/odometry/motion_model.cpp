@@ -32,14 +32,14 @@ double Effective(double steady, double decay, double seconds) {
 }  // namespace
 
 void MotionModelOptions::Check() const {
-  if (!(steady_seconds >= 0)) throw InputError("motion.steady_seconds: must not be negative");
-  if (!(turn_seconds > 0)) throw InputError("motion.turn_seconds: has to be positive");
-  if (!(turn_acceleration >= 0)) throw InputError("motion.turn_acceleration: must not be negative");
-  if (!(swing_seconds >= 0)) throw InputError("motion.swing_seconds: must not be negative");
-  if (!(travel_seconds > 0)) throw InputError("motion.travel_seconds: has to be positive");
-  if (!(speed_sigma > 0)) throw InputError("motion.speed_sigma: has to be positive");
-  if (!(speed_sigma_per_second >= 0)) throw InputError("motion.speed_sigma_per_second: must not be negative");
-  if (!(acceleration_in_depths >= 0)) throw InputError("motion.acceleration_in_depths: must not be negative");
+  if (!(steady_seconds >= 0)) throw InputError("steady_seconds: must not be negative");
+  if (!(turn_seconds > 0)) throw InputError("turn_seconds: has to be positive");
+  if (!(turn_acceleration >= 0)) throw InputError("turn_acceleration: must not be negative");
+  if (!(swing_seconds >= 0)) throw InputError("swing_seconds: must not be negative");
+  if (!(travel_seconds > 0)) throw InputError("travel_seconds: has to be positive");
+  if (!(speed_sigma > 0)) throw InputError("speed_sigma: has to be positive");
+  if (!(speed_sigma_per_second >= 0)) throw InputError("speed_sigma_per_second: must not be negative");
+  if (!(acceleration_in_depths >= 0)) throw InputError("acceleration_in_depths: must not be negative");
 }
 
 // Step by step of the length measured, so that a turn bends the path as it goes on.

@@ -288,14 +288,14 @@ TEST(MotionModel, TheSpeedIsAMeanOverShortSteps) {
 TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   using Options = MotionModelOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.steady_seconds = -1; }), "motion.steady_seconds");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_seconds = 0; }), "motion.turn_seconds");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.travel_seconds = 0; }), "motion.travel_seconds");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.swing_seconds = -1; }), "motion.swing_seconds");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_acceleration = -1; }), "motion.turn_acceleration");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma = 0; }), "motion.speed_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma_per_second = -1; }), "motion.speed_sigma_per_second");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.acceleration_in_depths = -1; }), "motion.acceleration_in_depths");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.steady_seconds = -1; }), "steady_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_seconds = 0; }), "turn_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.travel_seconds = 0; }), "travel_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.swing_seconds = -1; }), "swing_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_acceleration = -1; }), "turn_acceleration");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma = 0; }), "speed_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma_per_second = -1; }), "speed_sigma_per_second");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.acceleration_in_depths = -1; }), "acceleration_in_depths");
 }
 
 }  // namespace

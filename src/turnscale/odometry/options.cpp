@@ -49,27 +49,24 @@ void VehicleOptions::Check() const {
 }
 
 void KeyframeOptions::Check() const {
-  if (!(min_rotation_deg > 0)) throw InputError("keyframes.min_rotation_deg: has to be positive");
-  if (!(min_parallax_deg > 0)) throw InputError("keyframes.min_parallax_deg: has to be positive");
-  if (!(min_tracked_share >= 0 && min_tracked_share <= 1))
-    throw InputError("keyframes.min_tracked_share: has to be in 0...1");
-  if (!(min_followed_share >= 0 && min_followed_share <= 1))
-    throw InputError("keyframes.min_followed_share: has to be in 0...1");
-  if (!(min_motion >= 0)) throw InputError("keyframes.min_motion: must not be negative");
-  if (!(max_growth > 1)) throw InputError("keyframes.max_growth: has to be above 1");
-  if (max_reference_age < 1) throw InputError("keyframes.max_reference_age: has to be at least 1 keyframe");
+  if (!(min_rotation_deg > 0)) throw InputError("min_rotation_deg: has to be positive");
+  if (!(min_parallax_deg > 0)) throw InputError("min_parallax_deg: has to be positive");
+  if (!(min_tracked_share >= 0 && min_tracked_share <= 1)) throw InputError("min_tracked_share: has to be in 0...1");
+  if (!(min_followed_share >= 0 && min_followed_share <= 1)) throw InputError("min_followed_share: has to be in 0...1");
+  if (!(min_motion >= 0)) throw InputError("min_motion: must not be negative");
+  if (!(max_growth > 1)) throw InputError("max_growth: has to be above 1");
+  if (max_reference_age < 1) throw InputError("max_reference_age: has to be at least 1 keyframe");
 }
 
 void TrackingOptions::Check() const {
-  if (min_inliers < 6) throw InputError("tracking.min_inliers: has to be at least 6");
-  if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
-    throw InputError("tracking.min_inlier_share: has to be in 0...1");
-  if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
-  if (!(sampled_interval >= 0)) throw InputError("tracking.sampled_interval: must not be negative");
-  if (!(max_lost_seconds >= 0)) throw InputError("tracking.max_lost_seconds: must not be negative");
-  if (!(max_hidden_seconds >= 0)) throw InputError("tracking.max_hidden_seconds: must not be negative");
-  if (!(depth_sigma > 0 && depth_sigma < 1)) throw InputError("tracking.depth_sigma: has to be between 0 and 1");
-  if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
+  if (min_inliers < 6) throw InputError("min_inliers: has to be at least 6");
+  if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) throw InputError("min_inlier_share: has to be in 0...1");
+  if (memory_keyframes < 1) throw InputError("memory_keyframes: has to be at least 1");
+  if (!(sampled_interval >= 0)) throw InputError("sampled_interval: must not be negative");
+  if (!(max_lost_seconds >= 0)) throw InputError("max_lost_seconds: must not be negative");
+  if (!(max_hidden_seconds >= 0)) throw InputError("max_hidden_seconds: must not be negative");
+  if (!(depth_sigma > 0 && depth_sigma < 1)) throw InputError("depth_sigma: has to be between 0 and 1");
+  if (min_lost_frames < 1) throw InputError("min_lost_frames: has to be at least 1");
 }
 
 void ScaleOptions::Check() const {
@@ -79,24 +76,24 @@ void ScaleOptions::Check() const {
 
 void OdometryOptions::Check() const {
   CheckPart("vehicle.", vehicle);
-  corners.Check();
-  flow.Check();
-  alignment.Check();
-  initialization.Check();
-  pose.Check();
-  keyframes.Check();
-  landmarks.Check();
+  CheckPart("corners.", corners);
+  CheckPart("flow.", flow);
+  CheckPart("alignment.", alignment);
+  CheckPart("initialization.", initialization);
+  CheckPart("pose.", pose);
+  CheckPart("keyframes.", keyframes);
+  CheckPart("landmarks.", landmarks);
   CheckPart("local_bundle.", local_bundle);
   CheckPart("turn_bundle.", turn_bundle);
   CheckPart("final_bundle.", final_bundle);
-  lens.Check();
-  calibration_check.Check();
-  tracking.Check();
-  motion.Check();
-  repeats.Check();
-  static_regions.Check();
-  road.Check();
-  steps.Check();
+  CheckPart("lens.", lens);
+  CheckPart("calibration_check.", calibration_check);
+  CheckPart("tracking.", tracking);
+  CheckPart("motion.", motion);
+  CheckPart("repeats.", repeats);
+  CheckPart("static_regions.", static_regions);
+  CheckPart("road.", road);
+  CheckPart("steps.", steps);
   scale.Check();
 }
 

@@ -26,7 +26,7 @@ std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const std::vector<Fe
   std::vector<LandmarkMotion> sample;
   for (const FeatureTrack* track : SampleWithDepth(map, tracks, kSample)) {
     const Eigen::Vector3d x = predicted_from_world * map.landmarks[track->landmark].position;
-    const std::optional<Eigen::Vector2d> expected = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
+    const std::optional<Eigen::Vector2d> expected = map.camera.ProjectInFront(x);
     const Eigen::Vector2d before(track->pixel.x, track->pixel.y);
     if (expected) sample.push_back({before, *expected, before});
   }
@@ -36,12 +36,11 @@ std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const std::vector<Fe
 }  // namespace
 
 void RepeatOptions::Check() const {
-  if (!(min_expected_motion > 0)) throw InputError("repeats.min_expected_motion: has to be positive");
-  if (!(max_motion_share >= 0 && max_motion_share < 1))
-    throw InputError("repeats.max_motion_share: has to be in 0...1");
-  if (!(max_motion > 0)) throw InputError("repeats.max_motion: has to be positive");
-  if (!(max_interval >= 0)) throw InputError("repeats.max_interval: must not be negative");
-  if (!(max_seconds >= 0)) throw InputError("repeats.max_seconds: must not be negative");
+  if (!(min_expected_motion > 0)) throw InputError("min_expected_motion: has to be positive");
+  if (!(max_motion_share >= 0 && max_motion_share < 1)) throw InputError("max_motion_share: has to be in 0...1");
+  if (!(max_motion > 0)) throw InputError("max_motion: has to be positive");
+  if (!(max_interval >= 0)) throw InputError("max_interval: must not be negative");
+  if (!(max_seconds >= 0)) throw InputError("max_seconds: must not be negative");
 }
 
 bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {

@@ -135,11 +135,11 @@ TEST(RepeatedImage, WithoutPixelsTimesDecideToo) {
 TEST(RepeatedImage, OptionsNameTheFieldThatMakesNoSense) {
   using Options = RepeatOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_expected_motion = 0; }), "repeats.min_expected_motion");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion_share = 1; }), "repeats.max_motion_share");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "repeats.max_motion");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_seconds = -1; }), "repeats.max_seconds");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_interval = -1; }), "repeats.max_interval");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_expected_motion = 0; }), "min_expected_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion_share = 1; }), "max_motion_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "max_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_seconds = -1; }), "max_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_interval = -1; }), "max_interval");
 }
 
 }  // namespace

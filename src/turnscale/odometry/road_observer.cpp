@@ -61,9 +61,9 @@ RoadRegion RegionAbove(RoadRegion region) {
 
 void RoadObserverOptions::Check() const {
   plane.Check();
-  if (!(min_baseline > 0)) throw InputError("road.min_baseline: has to be positive");
-  if (!(baseline >= min_baseline)) throw InputError("road.baseline: has to be at least road.min_baseline");
-  if (!(max_turn > 0 && max_turn < 1)) throw InputError("road.max_turn_deg: has to be above 0 and below 57.3");
+  if (!(min_baseline > 0)) throw InputError("min_baseline: has to be positive");
+  if (!(baseline >= min_baseline)) throw InputError("baseline: has to be at least min_baseline");
+  if (!(max_turn > 0 && max_turn < 1)) throw InputError("max_turn_deg: has to be above 0 and below 57.3");
 }
 
 const RoadObserver::View* RoadObserver::Reference(const Map& map, double height) const {
@@ -78,8 +78,12 @@ const RoadObserver::View* RoadObserver::Reference(const Map& map, double height)
   return found;
 }
 
-void RoadObserver::LookAbove(const RoadPair& pair, const RoadRegion& region) {
+void RoadObserver::TestSide(bool is_below, const RoadPair& pair, const RoadRegion& region) {
   if (tried_above_ >= kTriedAbove) return;
+  if (is_below) {
+    ++below_;
+    return;
+  }
   ++tried_above_;
   if (FindAtAnyHeight(options_.plane, pair, RegionAbove(region))) ++above_;
 }
@@ -88,9 +92,7 @@ bool RoadObserver::IsRoadAbove() const {
   return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ < above_;
 }
 
-std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen::Quaterniond& vehicle_from_camera,
-                                                    const FlowImage& image, const cv::Mat& mask) {
-  if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
+void RoadObserver::TakeView(const Map& map, const FlowImage& image) {
   const int latest = CountKeyframes(map) - 1;
   // Across a loss of tracking the unit changes.
   for (; next_keyframe_ <= latest; ++next_keyframe_) {
@@ -101,38 +103,48 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen:
   }
   views_.push_back({latest, {image.gray, image.pyramid[1]}});
   if (views_.size() > kViews) views_.pop_front();
+}
+
+bool RoadObserver::IsSearchDue() {
+  if (height_) return true;
+  ++searches_;
+  return searches_ <= kSearches || searches_ % kSearches == 0;
+}
+
+void RoadObserver::Follow(const std::optional<RoadPlane>& road) {
+  if (!road) {
+    if (!height_ || ++misses_ < kMostMisses) return;
+    height_.reset();
+    misses_ = 0;
+    return;
+  }
+  misses_ = searches_ = 0;
+  height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
+}
+
+std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen::Quaterniond& vehicle_from_camera,
+                                                    const FlowImage& image, const cv::Mat& mask) {
+  if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
+  TakeView(map, image);
   if (views_.size() < 2) return std::nullopt;
   const View* reference = height_ ? Reference(map, *height_) : &views_[views_.size() - 2];
   if (reference == nullptr) return std::nullopt;
+  const int latest = views_.back().keyframe;
   const RigidTransform earlier_from_current =
       map.keyframes[reference->keyframe].camera_from_world * map.keyframes[latest].camera_from_world.inverse();
   const double distance = earlier_from_current.translation.norm();
   const TurningMotion motion = TurningMotionOf(earlier_from_current, vehicle_from_camera);
   if (!(distance > 0) || !std::isfinite(distance) || std::abs(motion.psi) > options_.max_turn) return std::nullopt;
   // In reverse the road ahead is what the camera has just left; it is measured better going forward.
-  if (std::abs(motion.theta) > 0.5 * M_PI) return std::nullopt;
+  if (std::abs(motion.theta) > 0.5 * M_PI || !IsSearchDue()) return std::nullopt;
   const RoadPair pair = {views_.back().image, reference->image, map.camera, earlier_from_current, mask};
   const RoadRegion region =
       RegionAhead(earlier_from_current.inverse(), vehicle_from_camera, motion.psi, height_.value_or(0));
-  std::optional<RoadPlane> road;
-  if (height_) {
-    road = FitRoadPlane(options_.plane, pair, region, *height_);
-  } else if (++searches_ <= kSearches || searches_ % kSearches == 0) {
-    road = FindAtAnyHeight(options_.plane, pair, region);
-  } else {
-    return std::nullopt;
-  }
-  if (!road) {
-    LookAbove(pair, region);
-    if (height_ && ++misses_ >= kMostMisses) {
-      height_.reset();
-      misses_ = 0;
-    }
-    return std::nullopt;
-  }
-  if (tried_above_ < kTriedAbove) ++below_;
-  misses_ = searches_ = 0;
-  height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
+  const std::optional<RoadPlane> road =
+      height_ ? FitRoadPlane(options_.plane, pair, region, *height_) : FindAtAnyHeight(options_.plane, pair, region);
+  Follow(road);
+  TestSide(road.has_value(), pair, region);
+  if (!road) return std::nullopt;
   return MeasuredHeight{.keyframe = latest,
                         .reference = reference->keyframe,
                         .ratio = road->height / distance,

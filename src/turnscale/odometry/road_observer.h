@@ -57,7 +57,14 @@ class RoadObserver {
     RoadImage image;
   };
   const View* Reference(const Map& map, double height) const;
-  void LookAbove(const RoadPair& pair, const RoadRegion& region);
+  /// Adds the latest keyframe to the views, and forgets those of another unit of length.
+  void TakeView(const Map& map, const FlowImage& image);
+  /// Whether the road is to be looked for at this keyframe: at the height where it was, or now and then at any.
+  bool IsSearchDue();
+  /// Starts the next search where the road was found, or at any height after some misses.
+  void Follow(const std::optional<RoadPlane>& road);
+  /// Counts whether the road is below the camera or, if it is not found there, above.
+  void TestSide(bool is_below, const RoadPair& pair, const RoadRegion& region);
 
   RoadObserverOptions options_;
   int next_keyframe_ = 0;         ///< the first one that has not been looked at

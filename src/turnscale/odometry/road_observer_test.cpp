@@ -139,10 +139,10 @@ TEST(RoadObserver, DoesNotReachAcrossAGap) {
 TEST(RoadObserverOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<RoadObserverOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 0; }), "road.min_baseline");
-  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 1; }), "road.baseline");
-  EXPECT_EQ(refused([](auto& o) { o.max_turn = 0; }), "road.max_turn_deg");
-  EXPECT_EQ(refused([](auto& o) { o.plane.roll_sigma = 0; }), "road.roll_sigma_deg");
+  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 0; }), "min_baseline");
+  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 1; }), "baseline");
+  EXPECT_EQ(refused([](auto& o) { o.max_turn = 0; }), "max_turn_deg");
+  EXPECT_EQ(refused([](auto& o) { o.plane.roll_sigma = 0; }), "roll_sigma_deg");
 }
 
 }  // namespace

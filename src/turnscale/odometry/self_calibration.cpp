@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/camera/lens_fit.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/odometry.h"
@@ -265,19 +266,16 @@ class SelfCalibration {
 }  // namespace
 
 void SelfCalibrationOptions::Check() const {
-  const auto require = [](bool fine, const char* what) {
-    if (!fine) throw InputError(std::string("self_calibration.") + what);
-  };
-  require(windows >= 1, "windows: has to be at least 1");
-  require(first_windows >= 1, "first_windows: has to be at least 1");
-  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
-  require(max_passes >= 1, "max_passes: has to be at least 1");
-  require(min_interval >= 0, "min_interval: must not be negative");
-  require(converged > 0, "converged: has to be positive");
-  require(converged_sigmas >= 0, "converged_sigmas: must not be negative");
-  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
-  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
-  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
+  Require(windows >= 1, "windows: has to be at least 1");
+  Require(first_windows >= 1, "first_windows: has to be at least 1");
+  Require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
+  Require(max_passes >= 1, "max_passes: has to be at least 1");
+  Require(min_interval >= 0, "min_interval: must not be negative");
+  Require(converged > 0, "converged: has to be positive");
+  Require(converged_sigmas >= 0, "converged_sigmas: must not be negative");
+  Require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
+  Require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  Require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
 }
 
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,

@@ -16,19 +16,18 @@ namespace {
 TEST(SelfCalibration, OptionsNameTheFieldThatMakesNoSense) {
   using Options = SelfCalibrationOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.windows = 0; }), "self_calibration.windows");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.first_windows = 0; }), "self_calibration.first_windows");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.first_min_turn_deg = 0; }), "self_calibration.first_min_turn_deg");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_passes = 0; }), "self_calibration.max_passes");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_interval = -0.01; }), "self_calibration.min_interval");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.windows = 0; }), "windows");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.first_windows = 0; }), "first_windows");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.first_min_turn_deg = 0; }), "first_min_turn_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_passes = 0; }), "max_passes");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_interval = -0.01; }), "min_interval");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_interval = 0; }), "") << "all images";
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.converged = 0; }), "self_calibration.converged");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.converged_sigmas = -1; }), "self_calibration.converged_sigmas");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.converged = 0; }), "converged");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.converged_sigmas = -1; }), "converged_sigmas");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.converged_sigmas = 0; }), "") << "rays alone decide";
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.focal_prior_sigma = 0; }), "self_calibration.focal_prior_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.correction_prior_sigma = 0; }),
-            "self_calibration.correction_prior_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.higher_prior_sigma = -1; }), "self_calibration.higher_prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.focal_prior_sigma = 0; }), "focal_prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.correction_prior_sigma = 0; }), "correction_prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.higher_prior_sigma = -1; }), "higher_prior_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.higher_prior_sigma = 0; }), "") << "one term only";
 }
 

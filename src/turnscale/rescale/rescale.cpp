@@ -310,7 +310,7 @@ MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const st
 
 void RescaleOptions::Check() const {
   car.Check();
-  steps.Check();
+  CheckPart("steps.", steps);
   CheckPart("estimator.", estimator);
   if (!(untimed_slip >= 0 && untimed_slip < 1)) throw InputError("untimed_slip: has to be from 0 to below 1");
   if (!(untimed_slip_sigma >= 0 && untimed_slip_sigma < 1))

@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include "turnscale/base/error.h"
+#include "turnscale/base/check_part.h"
 
 namespace turnscale {
 namespace {
@@ -136,18 +136,15 @@ Eigen::Vector4d RoadSurface::ByParameters(const Eigen::Vector3d& ray) const {
 }
 
 void RoadPatchOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(half_width > 0, "road.half_width: has to be positive");
-  require(nearest > 0, "road.nearest: has to be positive");
-  require(farthest > nearest, "road.farthest: has to be above `nearest`");
-  require(rows > 0, "road.rows: has to be at least 1");
-  require(columns > 0, "road.columns: has to be at least 1");
-  require(half_size >= 2 && half_size <= 20, "road.half_size: has to be in 2...20 pixels");
-  require(least_contrast > 0, "road.least_contrast: has to be positive");
-  require(image_noise > 0, "road.image_noise: has to be positive");
-  require(least_pixel_sigma > 0, "road.least_pixel_sigma: has to be positive");
+  Require(half_width > 0, "half_width: has to be positive");
+  Require(nearest > 0, "nearest: has to be positive");
+  Require(farthest > nearest, "farthest: has to be above `nearest`");
+  Require(rows > 0, "rows: has to be at least 1");
+  Require(columns > 0, "columns: has to be at least 1");
+  Require(half_size >= 2 && half_size <= 20, "half_size: has to be in 2...20 pixels");
+  Require(least_contrast > 0, "least_contrast: has to be positive");
+  Require(image_noise > 0, "image_noise: has to be positive");
+  Require(least_pixel_sigma > 0, "least_pixel_sigma: has to be positive");
 }
 
 std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const RoadPair& pair,

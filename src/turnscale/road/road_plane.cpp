@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <opencv2/core/utility.hpp>
 
-#include "turnscale/base/error.h"
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 
@@ -177,18 +177,15 @@ double SumOfCorrelations(const RoadPlaneOptions& options, const RoadPair& pair, 
 
 void RoadPlaneOptions::Check() const {
   patches.Check();
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(pitch_sigma > 0 && pitch_sigma < 1, "road.pitch_sigma_deg: has to be above 0 and below 57.3");
-  require(roll_sigma > 0 && roll_sigma < 1, "road.roll_sigma_deg: has to be above 0 and below 57.3");
-  require(vertical_curvature_sigma > 0, "road.vertical_curvature_sigma: has to be positive");
-  require(unevenness >= 0, "road.unevenness: must not be negative");
-  require(max_deviation > 0, "road.max_deviation: has to be positive");
-  require(min_correlation > 0 && min_correlation < 1, "road.min_correlation: has to be above 0 and below 1");
-  require(min_patches >= 6, "road.min_patches: has to be at least 6");
-  require(min_share > 0 && min_share <= 1, "road.min_share: has to be above 0, at most 1");
-  require(max_sigma > 0, "road.max_sigma: has to be positive");
+  Require(pitch_sigma > 0 && pitch_sigma < 1, "pitch_sigma_deg: has to be above 0 and below 57.3");
+  Require(roll_sigma > 0 && roll_sigma < 1, "roll_sigma_deg: has to be above 0 and below 57.3");
+  Require(vertical_curvature_sigma > 0, "vertical_curvature_sigma: has to be positive");
+  Require(unevenness >= 0, "unevenness: must not be negative");
+  Require(max_deviation > 0, "max_deviation: has to be positive");
+  Require(min_correlation > 0 && min_correlation < 1, "min_correlation: has to be above 0 and below 1");
+  Require(min_patches >= 6, "min_patches: has to be at least 6");
+  Require(min_share > 0 && min_share <= 1, "min_share: has to be above 0, at most 1");
+  Require(max_sigma > 0, "max_sigma: has to be positive");
 }
 
 std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,

@@ -209,15 +209,15 @@ TEST(RoadPlane, SigmaIsThatOfNoisyImages) {
 TEST(RoadPlaneOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<RoadPlaneOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.pitch_sigma = 0; }), "road.pitch_sigma_deg");
-  EXPECT_EQ(refused([](auto& o) { o.roll_sigma = 2; }), "road.roll_sigma_deg");
-  EXPECT_EQ(refused([](auto& o) { o.vertical_curvature_sigma = 0; }), "road.vertical_curvature_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.unevenness = -1; }), "road.unevenness");
-  EXPECT_EQ(refused([](auto& o) { o.min_correlation = 1; }), "road.min_correlation");
-  EXPECT_EQ(refused([](auto& o) { o.min_patches = 2; }), "road.min_patches");
-  EXPECT_EQ(refused([](auto& o) { o.min_share = 0; }), "road.min_share");
-  EXPECT_EQ(refused([](auto& o) { o.patches.farthest = 1; }), "road.farthest");
-  EXPECT_EQ(refused([](auto& o) { o.patches.half_size = 1; }), "road.half_size");
+  EXPECT_EQ(refused([](auto& o) { o.pitch_sigma = 0; }), "pitch_sigma_deg");
+  EXPECT_EQ(refused([](auto& o) { o.roll_sigma = 2; }), "roll_sigma_deg");
+  EXPECT_EQ(refused([](auto& o) { o.vertical_curvature_sigma = 0; }), "vertical_curvature_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.unevenness = -1; }), "unevenness");
+  EXPECT_EQ(refused([](auto& o) { o.min_correlation = 1; }), "min_correlation");
+  EXPECT_EQ(refused([](auto& o) { o.min_patches = 2; }), "min_patches");
+  EXPECT_EQ(refused([](auto& o) { o.min_share = 0; }), "min_share");
+  EXPECT_EQ(refused([](auto& o) { o.patches.farthest = 1; }), "farthest");
+  EXPECT_EQ(refused([](auto& o) { o.patches.half_size = 1; }), "half_size");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_file.h"
@@ -353,8 +354,8 @@ std::optional<ScaleMethod> FindScaleMethod(std::string_view name) {
 
 void Settings::Check() const {
   odometry.Check();
-  images.Check();
-  self_calibration.Check();
+  CheckPart("images.", images);
+  CheckPart("self_calibration.", self_calibration);
 }
 
 std::string SettingsText(const Settings& settings) {

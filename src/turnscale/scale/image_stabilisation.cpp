@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "turnscale/base/error.h"
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/base/square.h"
@@ -78,18 +78,15 @@ double ScaleError(double variance, const std::vector<SmoothedStep>& steps) {
 }  // namespace
 
 void StabilisationOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(min_lag_deviation > 0, "min_lag_deviation: has to be positive");
-  require(min_lag_deviation_with_less_scatter > 0 && min_lag_deviation_with_less_scatter <= min_lag_deviation,
+  Require(min_lag_deviation > 0, "min_lag_deviation: has to be positive");
+  Require(min_lag_deviation_with_less_scatter > 0 && min_lag_deviation_with_less_scatter <= min_lag_deviation,
           "min_lag_deviation_with_less_scatter: has to be above 0 and at most min_lag_deviation");
-  require(min_reduction_significance > 0, "min_reduction_significance: has to be positive");
-  require(min_scale_change >= 0, "min_scale_change: must not be negative");
-  require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
-  require(max_lag_sigma > 0, "max_lag_sigma: has to be positive");
-  require(min_smoothing > 0, "min_smoothing: has to be positive");
-  require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");
+  Require(min_reduction_significance > 0, "min_reduction_significance: has to be positive");
+  Require(min_scale_change >= 0, "min_scale_change: must not be negative");
+  Require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
+  Require(max_lag_sigma > 0, "max_lag_sigma: has to be positive");
+  Require(min_smoothing > 0, "min_smoothing: has to be positive");
+  Require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");
 }
 
 bool LagCounts(const SmoothedDrive& without, const SmoothedDrive& with, const StabilisationOptions& options) {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "turnscale/base/check_part.h"
-#include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
@@ -56,60 +55,51 @@ double MeanErrorSigma(double lengths) {
 }  // namespace
 
 void CarPrior::Check() const {
-  const auto require = [](bool good, const std::string& what) {
-    if (!good) throw InputError(what);
-  };
-  require(
+  Require(
       lever_arm <= kLongestLeverArm && (lever_arm > 0 || (lever_arm == 0 && knows_height())),
       "car.lever_arm: has to be the distance from the rear axle forward to the camera in metres, above 0 and up to " +
           NumberText(kLongestLeverArm));
-  require(!knows_lever_arm() || (lever_arm_sigma >= 0 && lever_arm_sigma < lever_arm),
+  Require(!knows_lever_arm() || (lever_arm_sigma >= 0 && lever_arm_sigma < lever_arm),
           "car.lever_arm_sigma: has to be from 0 to below the lever arm, metres");
-  require(camera_height >= 0 && camera_height <= kHighestCamera,
+  Require(camera_height >= 0 && camera_height <= kHighestCamera,
           "car.camera_height: has to be the height of the camera above the road in metres, up to " +
               NumberText(kHighestCamera) + ", or 0 if it is not known");
-  require(!knows_height() || (camera_height_sigma >= 0 && camera_height_sigma < camera_height),
+  Require(!knows_height() || (camera_height_sigma >= 0 && camera_height_sigma < camera_height),
           "car.camera_height_sigma: has to be from 0 to below the height, metres");
-  require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
-  require(side_slip_sigma >= 0 && side_slip_sigma < 1, "car.side_slip_sigma: has to be from 0 to below 1 s^2/m");
-  require(
+  Require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
+  Require(side_slip_sigma >= 0 && side_slip_sigma < 1, "car.side_slip_sigma: has to be from 0 to below 1 s^2/m");
+  Require(
       CanCorrelate(height_correlation, height_slip_correlation, lever_arm_slip_correlation),
       "car.height_correlation, car.height_slip_correlation, car.lever_arm_slip_correlation: errors cannot correlate "
       "like this");
-  require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
-  require(std::abs(image_lag) < 10 && (image_lag == 0 || image_lag_sigma > 0),
+  Require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
+  Require(std::abs(image_lag) < 10 && (image_lag == 0 || image_lag_sigma > 0),
           "car.image_lag: has to be below 10 s, and needs a standard deviation");
-  require(image_lag_sigma >= 0 && image_lag_sigma < 10, "car.image_lag_sigma: has to be from 0 to below 10 s");
-  require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
-  require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");
+  Require(image_lag_sigma >= 0 && image_lag_sigma < 10, "car.image_lag_sigma: has to be from 0 to below 10 s");
+  Require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
+  Require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");
 }
 
 void RoadEvidenceOptions::Check() const {
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(sigma > 0 && sigma < 1, "sigma: has to be above 0 and below 1");
-  require(correlation_length > 0, "correlation_length: has to be a positive number of metres");
-  require(step_sigma > 0 && step_sigma < 1, "step_sigma: has to be above 0 and below 1");
-  require(min_steps >= 1, "min_steps: has to be at least 1");
+  Require(sigma > 0 && sigma < 1, "sigma: has to be above 0 and below 1");
+  Require(correlation_length > 0, "correlation_length: has to be a positive number of metres");
+  Require(step_sigma > 0 && step_sigma < 1, "step_sigma: has to be above 0 and below 1");
+  Require(min_steps >= 1, "min_steps: has to be at least 1");
 }
 
 void EvidenceOptions::Check() const {
   CheckPart("line.", line);
   CheckPart("evidence.road_", road);
-  const auto require = [](bool good, const char* what) {
-    if (!good) throw InputError(what);
-  };
-  require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
-  require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
-  require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
+  Require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
+  Require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
+  Require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
           "evidence.turn_direction_sigma_deg: has to be from 0 to below 57.3");
-  require(direction_in_turn_sigma > 0 && direction_in_turn_sigma < 1,
+  Require(direction_in_turn_sigma > 0 && direction_in_turn_sigma < 1,
           "evidence.direction_in_turn_sigma_deg: has to be above 0 and below 57.3");
-  require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
+  Require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
           "evidence.straight_direction_sigma_deg: has to be above 0 and below 57.3");
-  require(bend_sigma >= 0 && bend_sigma < 10, "evidence.bend_sigma: has to be from 0 to below 10");
-  require(min_lever_arm_ratio >= 0 && min_lever_arm_ratio < 1,
+  Require(bend_sigma >= 0 && bend_sigma < 10, "evidence.bend_sigma: has to be from 0 to below 10");
+  Require(min_lever_arm_ratio >= 0 && min_lever_arm_ratio < 1,
           "evidence.min_lever_arm_ratio: has to be from 0 to below 1");
 }
 
