@@ -131,7 +131,7 @@ TEST(OdometryTrouble, DarknessWithinATurnIsBridged) {
 TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
   // Right after the first turn, before its end could be told: the gap closes it.
   constexpr int kFirst = 64;
-  constexpr int kCount = 24;
+  constexpr int kCount = 12;
   StreetDrive drive = PlainStreetDrive();
   SpoilImages(drive, kFirst, kCount, Black);
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
@@ -148,7 +148,7 @@ TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
 
 TEST(OdometryTrouble, ARestartHasThePixelsOfTheLensCorrectionLearnedUpToTheGap) {
   constexpr int kFirst = 36;
-  constexpr int kCount = 24;
+  constexpr int kCount = 12;
   StreetDrive drive = RenderStreetDrive({.frames = 60, .k1 = 0.01});
   SpoilImages(drive, kFirst, kCount, Black);
   drive.camera.lens = LensModel::kPinhole;

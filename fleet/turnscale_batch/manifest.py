@@ -29,7 +29,7 @@ SEPARATOR = ";"
 YES, NO = ("1", "yes", "true"), ("", "0", "no", "false")
 # Options that do not change the result.
 WITHOUT_EFFECT = ("--threads",)
-MOST_BYTES = 1 << 24  # of a file whose contents count
+MOST_BYTES = 1 << 24  # of a file whose contents are hashed; of larger ones, size and time count
 
 
 def option_name(column):
@@ -38,6 +38,16 @@ def option_name(column):
 
 # Options whose value is a file, also where its name is a number.
 FILES = tuple(option_name(column) for column in (VEHICLE_FILE, *PATHS))
+
+
+def _fingerprint(path):
+    try:
+        stat = path.stat()
+        if stat.st_size > MOST_BYTES:
+            return [stat.st_size, stat.st_mtime_ns]
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return "unreadable"  # run says so
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,10 +89,9 @@ class Drive:
 
     @functools.cached_property
     def _contents(self):
-        """Hashes of the files that options name, but of large ones: images are taken not to change."""
-        paths = [pathlib.Path(value) for option, value in self.options if option in FILES]
-        return [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths
-                if path.is_file() and path.stat().st_size <= MOST_BYTES]
+        """What tells changes of the files that options name."""
+        return [_fingerprint(pathlib.Path(value)) for option, value in self.options
+                if option in (*FILES, "--camera-rotation") and pathlib.Path(value).is_file()]
 
 
 class _Row:

@@ -136,10 +136,9 @@ class Vehicle:
         slip = max(joint.mean[SLIP], 0.0)
         slip_sigma = math.hypot(joint.sigma(SLIP), SLIP_BETWEEN * slip)
         text += _line("side_slip", slip) + _line("side_slip_sigma", slip_sigma)
-        if self._knows_position(i):
-            text += _image_lag(own.drive.option("--vehicle"))
         if not self._knows_position(i):
             return text
+        text += _image_lag(own.drive.option("--vehicle"))
         angles = _angles(self._at(self.positions[i]), without=own)
         if angles is not None and joint.sigma(YAW) < MOST_YAW_SIGMA and not own.moved:
             (_, pitch, roll), (_, pitch_sigma, roll_sigma) = angles

@@ -218,17 +218,10 @@ class DriveReader {
   SourceFrame Next() {
     std::optional<SourceFrame> frame;
     Execute([&](const CommandHooks& hooks) {
-      // Two threads of Python may iterate at the same time.
-      const std::lock_guard alone(busy_);
-      if (arguments_.max_frames && read_ >= *arguments_.max_frames) return;
-      ImageSource& source = images_->source;
-      frame = source.Next();
-      if (frame) ++read_;
-      const std::vector<std::string> notices =
-          frame ? std::vector{frame->notice} : std::vector{source.NoticeAtEnd(), source.EndsEarly()};
+      std::vector<std::string> notices;
+      frame = Read(notices);
       for (const std::string& notice : notices)
-        if (!notice.empty() && !(ended_ && !frame)) Warn(hooks, notice);
-      ended_ = !frame;
+        if (!notice.empty()) Warn(hooks, notice);
     });
     if (!frame) throw py::stop_iteration();
     return *std::move(frame);
@@ -242,6 +235,22 @@ class DriveReader {
  private:
   ImageArguments arguments_;
   std::unique_ptr<DriveImages> images_;
+  // Two threads of Python may iterate at the same time: the second waits here. Adds what there is to say.
+  std::optional<SourceFrame> Read(std::vector<std::string>& notices) {
+    const std::lock_guard alone(busy_);
+    if (ended_ || (arguments_.max_frames && read_ >= *arguments_.max_frames)) return std::nullopt;
+    ImageSource& source = images_->source;
+    std::optional<SourceFrame> frame = source.Next();
+    ended_ = !frame;
+    if (frame) {
+      ++read_;
+      notices.push_back(frame->notice);
+    } else {
+      notices = {source.NoticeAtEnd(), source.EndsEarly()};
+    }
+    return frame;
+  }
+
   std::mutex busy_;
   int read_ = 0;
   bool ended_ = false;  ///< what is to be said at the end has been said

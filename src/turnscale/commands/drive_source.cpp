@@ -344,13 +344,19 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   }
   if (!jumps.empty()) TurnToLast(mount, frames);
   const int moved_at = mount.moves() > 0 ? odometry.map().keyframes[mount.current().first_keyframe].frame : 0;
-  if (moved_at > 0)
-    progress.Warn(fmt::format("the camera was moved on the car before frame {}: only what follows is used", moved_at));
+  std::string moved;
+  if (moved_at > 0) {
+    moved = fmt::format("the camera was moved on the car before frame {} (at {:.1f} s)", moved_at,
+                        frames[moved_at].time - images.source.first_time());
+    progress.Warn(moved + ": only what follows is used");
+  }
   motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches({frames.begin() + moved_at, frames.end()});
   if (motion.stretches.empty()) attempts.RethrowFirst();
-  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());
-  if (moved_at > 0) motion.incomplete = fmt::format("the camera was moved on the car before frame {}", moved_at);
+  if (!moved.empty())
+    motion.incomplete = moved;
+  else if (!motion.stretches.empty())
+    motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());
   if (end == LoopEnd::kInterrupted)
     motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", recorder.frames())};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include <Eigen/Cholesky>
 
 #include "turnscale/base/check_part.h"
-#include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 

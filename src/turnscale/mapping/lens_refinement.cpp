@@ -51,7 +51,7 @@ void LensRefinementOptions::Check() const {
   if (!(prior_sigma > 0)) throw InputError("prior_sigma: has to be positive");
   if (!(accurate_share >= 0 && accurate_share < 1)) throw InputError("accurate_share: has to be from 0 to below 1");
   if (!(accurate_sigma > 0 && accurate_sigma < prior_sigma))
-    throw InputError("accurate_sigma: has to be positive and below lens.prior_sigma");
+    throw InputError("accurate_sigma: has to be positive and below prior_sigma");
   if (!(step > 0)) throw InputError("step: has to be positive");
   if (max_landmarks < 20) throw InputError("max_landmarks: has to be at least 20");
   if (!(pixel_sigma > 0)) throw InputError("pixel_sigma: has to be positive");

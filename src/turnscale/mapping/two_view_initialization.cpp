@@ -172,7 +172,7 @@ void TwoViewOptions::Check() const {
   if (min_landmarks < 8) throw InputError("min_landmarks: has to be at least 8");
   if (!(min_landmark_share >= 0 && min_landmark_share <= 1)) throw InputError("min_landmark_share: has to be in 0...1");
   if (fewest_landmarks < 8 || fewest_landmarks > min_landmarks)
-    throw InputError("fewest_landmarks: has to be from 8 to initialization.min_landmarks");
+    throw InputError("fewest_landmarks: has to be from 8 to min_landmarks");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) throw InputError("min_inlier_share: has to be in 0...1");
   if (!(min_landmark_parallax_deg > 0)) throw InputError("min_landmark_parallax_deg: has to be positive");
   if (!(initial_baseline > 0 && std::isfinite(initial_baseline)))

@@ -27,8 +27,8 @@ class FrameHistory {
   /// Adds a frame, or gives the frame of that number its pose, relative to a keyframe of the map.
   void Add(const FrameResult& result, const Map& map, int keyframe, const RigidTransform& camera_from_world);
 
-  /// Frames after a time (seconds) were neither measured nor repeats between measured ones after all, but for
-  /// keyframes: their poses are predictions.
+  /// Frames later than `after` (seconds), other than keyframes and unreadable ones, become bridged: their images showed
+  /// a frozen view.
   void ForgetMeasured(double after);
 
   /// Translations relative to keyframe first + k are multiplied by `factors[k]`.

@@ -105,22 +105,27 @@ RigidTransform MotionModel::PredictOtherwise(double time, double turn, double sp
   return Extrapolate(step, time - last_measured_time_);
 }
 
-void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
+void MotionModel::Update(double time, const RigidTransform& camera_from_world, bool after_repeats) {
   if (started_ && time > last_measured_time_) {
     Step step{camera_from_world * camera_from_world_.inverse(), time - last_measured_time_, {}};
     // After a restart, the step is one from before it: what it was compared with would be a change across the gap, and
     // speed() is 0, as no speed of the new map is known yet.
     if (step_ && !recent_.empty() && step.speed() < kBreak * step_->speed() &&
         !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
-      broken_off_ = {*step_, {speed(), last_measured_time_}, speed() > kBraking * peak_speed_};
+      broken_off_ = {*step_,
+                     {speed(), last_measured_time_},
+                     after_repeats && step.speed() < kNoise * speed() && speed() > kBraking * peak_speed_};
     const Eigen::Vector3d& translation = step.current_from_previous.translation;
     Remember({translation.norm(), step.seconds, VectorFromRotation(step.current_from_previous.rotation), translation});
     peak_speed_ = std::max(speed(), peak_speed_ * std::exp(-step.seconds / kBrakingSeconds));
     const Travel recent = Recent();
     step.mean = {recent.turn / recent.seconds, recent.translation / recent.seconds};
     step_ = step;
-    const bool goes_on = broken_off_ && broken_off_->past.time < last_measured_time_;
-    if (goes_on && step.speed() > kBreak * broken_off_->past.speed) broken_off_.reset();
+    if (broken_off_ && broken_off_->past.time < last_measured_time_) {
+      // It moves again.
+      broken_off_->at_once = broken_off_->at_once && step.speed() <= kNoise * broken_off_->past.speed;
+      if (step.speed() > kBreak * broken_off_->past.speed) broken_off_.reset();
+    }
   }
   started_ = true;
   last_measured_time_ = time;
@@ -150,9 +155,7 @@ void MotionModel::Stop() {
 }
 
 std::optional<double> MotionModel::StoppedAtOnce() const {
-  if (!broken_off_ || !broken_off_->at_once || !step_ || step_->speed() > kNoise * broken_off_->past.speed)
-    return std::nullopt;
-  return broken_off_->past.time;
+  return broken_off_ && broken_off_->at_once ? std::optional(broken_off_->past.time) : std::nullopt;
 }
 
 void MotionModel::GoOn() {

@@ -67,8 +67,9 @@ class MotionModel {
   /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
   RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
 
-  /// Takes a measured pose; the velocity is the one from the measured pose before.
-  void Update(double time, const RigidTransform& camera_from_world);
+  /// Takes a measured pose; the velocity is the one from the measured pose before. `after_repeats`: the images between
+  /// the two showed once more what the first one does.
+  void Update(double time, const RigidTransform& camera_from_world, bool after_repeats = false);
 
   /// Takes a pose that was not measured: predictions keep the last velocities; speed() and PastSpeeds() start anew.
   void Restart(double time, const RigidTransform& camera_from_world);
@@ -120,7 +121,7 @@ class MotionModel {
   struct BrokenOff {
     Step step;
     PastSpeed past;
-    bool at_once = false;  ///< the speed had hardly fallen before
+    bool at_once = false;  ///< to nothing; it had hardly fallen before, and images were repeated in between
   };
 
   void Remember(const Travel& travel);

@@ -2,6 +2,8 @@
 #include "turnscale/odometry/motion_model.h"
 
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -183,22 +185,26 @@ TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
 }
 
 TEST(MotionModel, AStopAtOnceIsNoneOfACar) {
-  const auto drive = [](const std::vector<double>& speeds) {
+  // Steps of 0.1 s of these lengths; before step `repeated`, images were repeated for 3 s.
+  const auto drive = [](const std::vector<double>& steps, std::size_t repeated) {
     MotionModel motion;
     motion.Update(1.0, kStart);
-    for (const double speed : speeds)
-      motion.Update(motion.last_measured_time() + 0.1,
-                    RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, -speed}} * motion.last());
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      motion.Update(motion.last_measured_time() + (i == repeated ? 3.1 : 0.1),
+                    RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, -steps[i]}} * motion.last(), i == repeated);
     return motion;
   };
-  MotionModel stopped = drive({1, 1, 1, 1, 0, 0});
+  MotionModel stopped = drive({1, 1, 1, 1, 0, 0}, 4);
   ASSERT_TRUE(stopped.StoppedAtOnce());
   EXPECT_NEAR(*stopped.StoppedAtOnce(), 1.4, 1e-9);
   stopped.GoOn();
   EXPECT_NEAR((stopped.Predict(1.5) * stopped.last().inverse()).translation.z(), -1, 1e-9);
-  EXPECT_FALSE(drive({1, 1, 1, 1}).StoppedAtOnce());
-  EXPECT_FALSE(drive({1, 1, 1, 1, 0, 1}).StoppedAtOnce()) << "goes on";
-  EXPECT_FALSE(drive({1, 1, 0.8, 0.6, 0.4, 0.2, 0.05, 0.01, 0}).StoppedAtOnce()) << "brakes";
+  EXPECT_FALSE(drive({1, 1, 1, 1}, 4).StoppedAtOnce());
+  EXPECT_FALSE(drive({1, 1, 1, 1, 0, 1}, 4).StoppedAtOnce()) << "goes on";
+  EXPECT_FALSE(drive({1, 1, 1, 1, 0, 0}, 9).StoppedAtOnce()) << "no image was repeated";
+  EXPECT_FALSE(drive({1, 1, 0.8, 0.6, 0.4, 0.2, 0.05, 0.01, 0}, 8).StoppedAtOnce()) << "brakes";
+  EXPECT_FALSE(drive({1, 1, 1, 0.45, 0.4, 0.3, 0.2, 0.1, 0.05, 0}, 9).StoppedAtOnce()) << "brakes hard";
+  EXPECT_FALSE(drive({1, 1, 1, 0.45, 0.4, 0.3, 0.2, 0.1, 0.05, 0}, 3).StoppedAtOnce()) << "brakes behind repeats";
 }
 
 TEST(MotionModel, OffersOtherTurningRates) {

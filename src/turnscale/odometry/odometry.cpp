@@ -35,6 +35,9 @@ constexpr int kUsualLandmarks = 1 << 17;
 // far away.
 constexpr double kDecidingTurn = 10;
 
+// Images that show the same for longer are those of a car that stands, however abruptly it stopped, seconds.
+constexpr double kLongestFreeze = 15;
+
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
@@ -80,6 +83,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (tracker_.IsRepeat(map_, image, predicted, timing)) {
     result.state = TrackingState::kRepeated;
     last_seen_time_ = time;
+    after_repeats_ = true;
     return MetricResult(result, predicted);
   }
   const TrackedFrame tracked = Track(image, predicted, result);
@@ -194,7 +198,7 @@ TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, 
   lost_frames_ = 0;
   last_seen_time_ = result.time;
   ObserveMount(result, *tracked.camera_from_world);
-  motion_.Update(result.time, *tracked.camera_from_world);
+  motion_.Update(result.time, *tracked.camera_from_world, std::exchange(after_repeats_, false));
   return tracked;
 }
 
@@ -219,10 +223,11 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const bool stood = has_map && tracker_.HasStood();
   // Without an image the map is no more lost than where images are missing.
   if (has_map && !is_unreadable) ++lost_frames_;
-  const std::optional<double> stopped_at_once = has_map ? motion_.StoppedAtOnce() : std::nullopt;
-  // The recorder has written one image again and again.
-  const bool froze = stopped_at_once && last_same_time_ > *stopped_at_once;
-  const double patience = stood && !froze ? limits.max_hidden_seconds : limits.max_lost_seconds;
+  after_repeats_ = false;
+  const std::optional<double> frozen_since = has_map ? FrozenSince(result.time) : std::nullopt;
+  // Where not a single pixel changed, it is not the scene that is hidden.
+  const bool is_same_image = frozen_since && last_same_time_ > *frozen_since;
+  const double patience = stood && !is_same_image ? limits.max_hidden_seconds : limits.max_lost_seconds;
   const bool gives_up =
       has_map && lost_frames_ >= limits.min_lost_frames && result.time - motion_.last_measured_time() > patience;
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
@@ -230,9 +235,9 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
   TakeJump(mount_jumps_.End());
   Readjust();
-  if (stopped_at_once) {
+  if (frozen_since) {
     // The scene does not come back: the car has gone on while the image stood still.
-    history_.ForgetMeasured(*stopped_at_once);
+    history_.ForgetMeasured(*frozen_since);
     motion_.GoOn();
   } else if (stood) {
     // The noise of standing is no motion.
@@ -241,6 +246,11 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const RigidTransform last = motion_.Predict(result.time);
   WaitForMap();
   return MetricResult(result, last);
+}
+
+std::optional<double> Odometry::FrozenSince(double time) const {
+  const std::optional<double> stopped = motion_.StoppedAtOnce();
+  return stopped && time - *stopped < kLongestFreeze ? stopped : std::nullopt;
 }
 
 void Odometry::AddKeyframe(const FrameResult& result) {

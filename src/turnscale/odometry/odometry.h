@@ -117,6 +117,9 @@ class Odometry {
   /// Passes on a jump of the camera, if there is one.
   void TakeJump(const std::optional<MountJump>& jump);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
+  /// Since when the images have shown the same, seconds, although the car has driven on: it cannot have stopped like
+  /// that. Empty if they have not, or for so long that the car stands after all.
+  std::optional<double> FrozenSince(double time) const;
 
   /// The latest frame becomes a keyframe.
   void AddKeyframe(const FrameResult& result);
@@ -127,8 +130,8 @@ class Odometry {
   /// The frame becomes a keyframe of the map, which is adjusted, and new features of its image landmarks. Returns the
   /// height above the road that it shows.
   std::optional<MeasuredHeight> ExtendMap(const FlowImage& image, FrameResult& result);
-  /// Updates the scale with the latest keyframe and the height that was measured there, if any. Returns whether it
-  /// ended a turn.
+  /// Updates the scale with the latest keyframe and the height that was measured there, if any, and gives the result
+  /// its psi and theta. Returns whether the keyframe ended a turn.
   bool ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
   void StartBackgroundWork(bool turn_ended);
   /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
@@ -168,9 +171,10 @@ class Odometry {
   DriveScale scale_;
   FrameHistory history_;
 
-  double last_seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
-  int lost_frames_ = 0;        ///< consecutive, up to now
-  /// Of the latest image with the pixels of the one before, seconds.
+  double last_seen_time_ = 0;   ///< of the last frame that was tracked or repeated, seconds
+  int lost_frames_ = 0;         ///< consecutive, up to now
+  bool after_repeats_ = false;  ///< images since the last tracked one repeat it
+  /// Of the latest image with the pixels of the last tracked one, seconds.
   double last_same_time_ = -std::numeric_limits<double>::infinity();
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;

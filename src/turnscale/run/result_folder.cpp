@@ -8,7 +8,10 @@
 #include <functional>
 #include <optional>
 #include <sstream>
+#include <string>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -29,15 +32,16 @@ namespace fs = std::filesystem;
 // What a file of the results holds; empty if there is no such file: not every run writes all of them.
 std::string TextIfThere(const fs::path& path) {
   std::error_code none;
-  if (!fs::exists(path, none)) return {};
+  if (fs::status(path, none).type() == fs::file_type::not_found) return {};
   if (std::optional<std::string> text = FileText(path)) return *std::move(text);
   throw InputError(path.string() + ": cannot be read");
 }
 
 // Calls `read` for every line of a table, if there is one.
 void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read) {
-  std::istringstream stream(TextIfThere(path));
-  if (stream.str().empty()) return;
+  std::string text = TextIfThere(path);
+  if (text.empty()) return;
+  std::istringstream stream(std::move(text));
   CsvTable table(stream, path.string());
   while (table.Next()) read(table);
 }

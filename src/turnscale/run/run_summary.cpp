@@ -318,7 +318,9 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
   for (std::string& warning : TimeWarnings(refined, scale.turns, first_time)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
-  add(ViewChangeText(FindViewChanges(refined, summary.restarts), first_time));
+  std::vector<double> seams;
+  for (const ClipPart& clip : summary.clips) seams.push_back(clip.start);
+  add(ViewChangeText(FindViewChanges(refined, summary.restarts, seams), first_time));
   add(ImpossibleMotionText(impossible, first_time));
   if (summary.uncertain_scale)
     add(UncertainScaleText(SinceFirst(*summary.uncertain_scale, first_time), summary.distance));

@@ -122,8 +122,7 @@ std::optional<std::string> UnevenTimes(const std::vector<FrameResult>& frames, d
   return fmt::format(
       "the times of the images are uneven in at least {} places (the first at {:.1f} s), although the car moves as far "
       "from one image to the next as before: they are not those of the exposure, speeds are wrong, and the scale may "
-      "be; "
-      "give the true times (--timestamps), or the rate (--fps)",
+      "be; give the true times (--timestamps), or the rate (--fps)",
       evenly_driven.size(), evenly_driven.front() - first_time);
 }
 

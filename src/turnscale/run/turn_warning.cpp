@@ -49,9 +49,9 @@ std::string StabilisationWarning(const ScaleEstimate& estimate) {
         lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma);
   if (const std::optional<ImageSmoothing>& smoothing = estimate.image_smoothing)
     text += fmt::format(
-        "they begin to turn before the car does, and turn on after it, by which the scale may be off by {:.0f} % or "
+        "they begin to turn before the car does, and turn on after it, by which{} the scale may be off by {:.0f} % or "
         "more; ",
-        100 * smoothing->scale_error);
+        estimate.image_lag ? "" : ", or by a lag that the turns do not show,", 100 * smoothing->scale_error);
   return text +
          "record without image stabilisation, or give the measured height of the camera instead of the lever arm";
 }

@@ -34,8 +34,15 @@ TEST(ViewChange, IsFoundWhereGoodTrackingEndsAndTheMapBeginsAnew) {
   EXPECT_EQ(ViewChangeText({}, 5), "");
 }
 
+TEST(ViewChange, IsFoundAtLowRatesAndNotWhereClipsBegin) {
+  std::vector<FrameResult> frames = Frames(60, 30, 4);
+  for (FrameResult& frame : frames) frame.time = frame.frame / 3.0;
+  EXPECT_EQ(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}).size(), 1U);
+  EXPECT_TRUE(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}, {10.0}).empty());
+}
+
 TEST(ViewChange, IsNoneWhereTrackingWasLostBitByBitOrForLong) {
-  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 12), {{.frame = 42, .time = 9.2}}).empty()) << "hidden for long";
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 9), {{.frame = 39, .time = 8.9}}).empty()) << "hidden for long";
   std::vector<FrameResult> fading = Frames(60, 30, 5);
   fading[29].inliers = 40;
   EXPECT_TRUE(FindViewChanges(fading, {{.frame = 35, .time = 8.5}}).empty());

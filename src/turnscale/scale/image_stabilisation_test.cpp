@@ -148,6 +148,17 @@ TEST(ImageStabilisation, SigmaCoversSmoothing) {
     }
 }
 
+TEST(ImageStabilisation, SmoothingLeavesALagInDoubt) {
+  const StabilisedDrive drive = MakeStabilised(CentredOver(0.5), 0.1);
+  CarPrior without_lag = KnownCar(kCar);
+  without_lag.image_lag_sigma = 1e-4;
+  const ScaleEstimate certain = EstimateOf(drive, without_lag);
+  const ScaleEstimate doubtful = EstimateOf(drive);
+  ASSERT_TRUE(certain.image_smoothing && doubtful.image_smoothing);
+  EXPECT_GT(doubtful.image_smoothing->scale_error, certain.image_smoothing->scale_error + 0.005);
+  EXPECT_GT(doubtful.length_sigma, certain.length_sigma);
+}
+
 TEST(ImageStabilisation, SmoothingIsNotLookedForWithAGivenHeight) {
   const StabilisedDrive drive = MakeStabilised(CentredOver(0.5), 0.1);
   CarPrior car = KnownCar(kCar);

@@ -70,7 +70,6 @@ TurnEnd LiveScale::Add(const VehicleStep& step) {
 
 void LiveScale::UpdateReading() {
   const std::optional<TurningRegion> open = detector_.open();
-  if (!open) KeepProvisional();
   ScaleBelief belief = belief_;
   Advance(pending_, belief);
   // After the end of a segment its state is kept until the next one has some steps.
@@ -94,10 +93,13 @@ void LiveScale::UpdateReading() {
   if (turning && !started_) provisional_ = belief;
 }
 
-void LiveScale::KeepProvisional() {
-  if (!provisional_) return;
-  belief_ = *std::exchange(provisional_, std::nullopt);
+void LiveScale::KeepProvisional(std::span<const VehicleStep> turn) {
+  const std::optional<ScaleBelief> provisional = std::exchange(provisional_, std::nullopt);
+  if (started_ || !provisional) return;
+  belief_ = *provisional;
   started_ = true;
+  // That of the part which it knows counts twice: sigma is rather too large than too small.
+  Advance(turn, belief_);
 }
 
 void LiveScale::TurnCamera(double angle) {
@@ -124,11 +126,8 @@ TurnEnd LiveScale::EndTurn(int last) {
   const std::vector<VehicleStep> steps = PassOver(last);
   TurnUpdate with = WithTurn(belief_, steps);
   belief_ = std::move(with.belief);
-  if (with.used) {
-    started_ = true;
-    provisional_.reset();
-  }
-  KeepProvisional();
+  started_ = started_ || with.used;
+  KeepProvisional(steps);
   return with.used ? TurnEnd::kUsed : TurnEnd::kNotUsed;
 }
 

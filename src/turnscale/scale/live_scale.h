@@ -49,8 +49,8 @@ class LiveScale {
   std::vector<VehicleStep> PassOver(int last);
   /// Renews the reading: the belief and what the pending steps add to it.
   void UpdateReading();
-  /// The provisional belief becomes the belief, if there is one.
-  void KeepProvisional();
+  /// At the end of a turn, the provisional belief becomes the belief, if there is no better one.
+  void KeepProvisional(std::span<const VehicleStep> turn);
   /// `road_part`: as PathSegment::road_part.
   void TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const;
   void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;

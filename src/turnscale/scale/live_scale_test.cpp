@@ -184,7 +184,6 @@ TEST(LiveScale, ATurnThatIsNotUsedDoesNotObserveTheScale) {
   EXPECT_TRUE(live.Now());
 }
 
-// As in the smoother.
 TEST(LiveScale, StaysMetricWhenTheFirstTurnGetsTooFast) {
   // 15 degrees at 3 m/s, then a bend of 60 m at 14 m/s, where slip takes the lever arm.
   const std::vector<StretchOfRoad> corner{{20, 0, 5, 9}, {10, 2.5 * kDegree, 0.6, 3}, {30, 2.5 * kDegree, 2.6, 14}};
@@ -212,6 +211,7 @@ TEST(LiveScale, StaysMetricWhenTheFirstTurnGetsTooFast) {
   EXPECT_EQ(live.Now()->state, ScaleState::kHeld);
 }
 
+// As in the smoother.
 TEST(LiveScale, ATurnThatIsTooFastShowsTheDirectionOfTravel) {
   CarPrior prior = Prior();
   prior.yaw_sigma = 0.5 * kDegree;

@@ -311,14 +311,17 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
-// Relative error of the scale by a lag that the turns do not show for certain; 0 where one is allowed for already.
+// Relative error of the scale by a lag that the turns do not show for certain, beyond its sigma; 0 where a lag is
+// allowed for already.
 double ErrorByLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
                   const ScaleEstimatorOptions& options) {
   if (car.image_lag_sigma > 0) return 0;
   const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), drive.car.mean, options);
   if (!with) return 0;
-  const ScaleBelief& last = with->smoothed.segments.back();
-  return std::hypot(last.mean[kLogScale] - drive.smoothed.segments.back().mean[kLogScale], last.sigma());
+  const ScaleBelief& without_lag = drive.smoothed.segments.back();
+  const ScaleBelief& with_lag = with->smoothed.segments.back();
+  const double more = with_lag.sigma() * with_lag.sigma() - without_lag.sigma() * without_lag.sigma();
+  return std::hypot(with_lag.mean[kLogScale] - without_lag.mean[kLogScale], std::sqrt(std::max(0.0, more)));
 }
 
 // Sigma grows by what the smoothing of stabilised images does to a scale from turns alone, and by what a lag may do:
