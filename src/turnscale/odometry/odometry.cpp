@@ -142,6 +142,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 void Odometry::Finish() {
   if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
   TakeJump(mount_jumps_.End());
+  ForgetFrozenEnd();
   Readjust();
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
@@ -235,9 +236,9 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
   TakeJump(mount_jumps_.End());
   Readjust();
+  // The view does not come back: images that repeated the last one, or stood still, were frozen while the car drove on.
+  history_.ForgetMeasured(frozen_since.value_or(motion_.last_measured_time()));
   if (frozen_since) {
-    // The scene does not come back: the car has gone on while the image stood still.
-    history_.ForgetMeasured(*frozen_since);
     motion_.GoOn();
   } else if (stood) {
     // The noise of standing is no motion.
@@ -246,6 +247,14 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const RigidTransform last = motion_.Predict(result.time);
   WaitForMap();
   return MetricResult(result, last);
+}
+
+void Odometry::ForgetFrozenEnd() {
+  constexpr double kLeastSeconds = 1;
+  const double end = frame_counter_.last_frame_time();
+  const std::optional<double> frozen_since = waits_for_map() ? std::nullopt : FrozenSince(end);
+  const double since = frozen_since.value_or(motion_.last_measured_time());
+  if ((after_repeats_ || frozen_since) && end - since > kLeastSeconds) history_.ForgetMeasured(since);
 }
 
 std::optional<double> Odometry::FrozenSince(double time) const {

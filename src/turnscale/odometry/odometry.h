@@ -120,6 +120,8 @@ class Odometry {
   /// Since when the images have shown the same, seconds, although the car has driven on: it cannot have stopped like
   /// that. Empty if they have not, or for so long that the car stands after all.
   std::optional<double> FrozenSince(double time) const;
+  /// The same at the end of the drive, where no view comes back: what the car did is not known.
+  void ForgetFrozenEnd();
 
   /// The latest frame becomes a keyframe.
   void AddKeyframe(const FrameResult& result);

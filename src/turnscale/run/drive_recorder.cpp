@@ -7,6 +7,7 @@
 
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/run/full_size.h"
+#include "turnscale/run/view_change.h"
 
 namespace turnscale {
 namespace {
@@ -82,6 +83,7 @@ void DriveRecorder::Keep(const FrameResult& result) {
   if (frames_ == 1) first_time_ = result.time;
   last_time_ = result.time;
   tracks_ = tracks_ || result.world_from_camera;
+  if (result.state == TrackingState::kRepeated) repeated_.push_back(result.frame);
   if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
     live_metric_from_ = result.time;
   RecordRotation(result.frame, last_time_, odometry_.mount().current(), rotations_);
@@ -137,6 +139,8 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   summary.is_upside_down = odometry_.is_upside_down();
   summary.blending = results.blending;
   Summarize(results.frames, results.scale, summary);
+  for (const FrozenPart& part : FindFrozenParts(results.frames, repeated_))
+    summary.warnings.push_back(FrozenPartText(part, summary.first_time, summary.is_metric() ? "m" : "units"));
   if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
   // Results that could not be computed have no frames.
   summary.frames = std::max(summary.frames, frames_);

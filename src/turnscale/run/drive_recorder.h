@@ -96,6 +96,7 @@ class DriveRecorder {
   std::vector<RotationRecord> rotations_;
   std::vector<UnreadableFrame> unreadable_;
   std::vector<double> latencies_;  // of images, seconds
+  std::vector<int> repeated_;      // frames that repeat the one before, as known online
   std::optional<double> live_metric_from_;
 };
 

@@ -51,11 +51,45 @@ std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, cons
   return times;
 }
 
+std::vector<FrozenPart> FindFrozenParts(const std::vector<FrameResult>& frames, const std::vector<int>& repeated) {
+  constexpr double kLeastSeconds = 0.5;
+  const int count = static_cast<int>(frames.size());
+  const auto is_frozen = [&](int frame) { return frame < count && frames[frame].state == TrackingState::kBridged; };
+  std::vector<FrozenPart> parts;
+  for (std::size_t i = 0; i < repeated.size(); ++i) {
+    if (!is_frozen(repeated[i])) continue;
+    const int before = std::max(repeated[i] - 1, 0);
+    while (i + 1 < repeated.size() && repeated[i + 1] == repeated[i] + 1 && is_frozen(repeated[i + 1])) ++i;
+    const int after = std::min(repeated[i] + 1, count - 1);
+    FrozenPart part{.from = frames[before].time, .to = frames[after].time, .at_end = repeated[i] == count - 1};
+    for (int k = before + 1; k <= after; ++k) {
+      const auto& last = frames[k - 1].world_from_camera;
+      const auto& now = frames[k].world_from_camera;
+      if (last && now) part.length += (now->translation - last->translation).norm();
+    }
+    if (!parts.empty() && part.from <= parts.back().to) {
+      part.from = parts.back().from;
+      part.length += parts.back().length;
+      parts.pop_back();
+    }
+    if (part.to - part.from >= kLeastSeconds) parts.push_back(part);
+  }
+  return parts;
+}
+
+std::string FrozenPartText(const FrozenPart& part, double first_time, const std::string& unit) {
+  const std::string until = part.at_end ? "the end" : fmt::format("{:.1f} s", part.to - first_time);
+  return fmt::format("the picture is frozen from {:.1f} s to {}: the path there is a guess of {:.0f} {}{}",
+                     part.from - first_time, until, part.length, unit,
+                     part.at_end ? ", as the car may have stopped" : ", and may go on in a wrong direction after it");
+}
+
 std::string ViewChangeText(const std::vector<double>& times, double first_time) {
   if (times.empty()) return {};
   return fmt::format(
       "the view changes from one image to the next at {:.1f} s{}, where tracking began anew: if the video was cut "
-      "there, the path lacks what was driven between; if clips that overlap were joined, it has it twice (give the "
+      "there, the path lacks what was driven between, and may go on in a wrong direction; if clips that overlap were "
+      "joined, it has it twice (give the "
       "clips themselves)",
       times.front() - first_time,
       times.size() > 1 ? fmt::format(" (the first of {} such places)", times.size()) : std::string());

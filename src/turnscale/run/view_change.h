@@ -16,6 +16,21 @@ namespace turnscale {
 std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, const std::vector<MapRestart>& restarts,
                                     const std::vector<double>& seams = {});
 
+/// A part of the drive whose images all repeat the one before it, and are followed by another view or by none.
+struct FrozenPart {
+  double from = 0;    ///< time of the last image before it, seconds
+  double to = 0;      ///< time of the first image after it; of its last one at the end of the drive
+  double length = 0;  ///< of the path there, which is a guess
+  bool at_end = false;
+};
+
+/// All such parts of half a second or more. `frames`: of the drive, refined, by their numbers; `repeated`: those that
+/// were taken for repeated images online, ascending.
+std::vector<FrozenPart> FindFrozenParts(const std::vector<FrameResult>& frames, const std::vector<int>& repeated);
+
+/// The warning, one line, with times counted from `first_time`. `unit`: of the path's length.
+std::string FrozenPartText(const FrozenPart& part, double first_time, const std::string& unit);
+
 /// The warning, one line, with times counted from `first_time`; empty if there are none.
 std::string ViewChangeText(const std::vector<double>& times, double first_time);
 

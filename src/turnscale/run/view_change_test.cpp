@@ -41,6 +41,25 @@ TEST(ViewChange, IsFoundAtLowRatesAndNotWhereClipsBegin) {
   EXPECT_TRUE(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}, {10.0}).empty());
 }
 
+TEST(FrozenParts, AreRepeatedImagesThatAreFollowedByAnotherView) {
+  std::vector<FrameResult> frames = Frames(60, 20, 14);
+  for (FrameResult& frame : frames) frame.world_from_camera->translation.z() = 0.5 * frame.frame;
+  const std::vector<int> repeated = {5, 6, 7, 8, 9, 10, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
+  const std::vector<FrozenPart> parts = FindFrozenParts(frames, repeated);
+  ASSERT_EQ(parts.size(), 1U) << "the others are repeats between measured ones";
+  EXPECT_NEAR(parts[0].from, 6.9, 1e-9);
+  EXPECT_NEAR(parts[0].to, 8.0, 1e-9);
+  EXPECT_NEAR(parts[0].length, 5.5, 1e-9);
+  EXPECT_FALSE(parts[0].at_end);
+  EXPECT_EQ(FrozenPartText(parts[0], 5, "m").substr(0, 42), "the picture is frozen from 1.9 s to 3.0 s:");
+  frames = Frames(30, 20, 10);
+  const std::vector<FrozenPart> last = FindFrozenParts(frames, {20, 21, 22, 23, 24, 25, 26, 27, 28, 29});
+  ASSERT_EQ(last.size(), 1U);
+  EXPECT_TRUE(last[0].at_end);
+  EXPECT_NE(FrozenPartText(last[0], 5, "m").find("to the end"), std::string::npos);
+  EXPECT_TRUE(FindFrozenParts({}, {3}).empty());
+}
+
 TEST(ViewChange, IsNoneWhereTrackingWasLostBitByBitOrForLong) {
   EXPECT_TRUE(FindViewChanges(Frames(60, 30, 9), {{.frame = 39, .time = 8.9}}).empty()) << "hidden for long";
   std::vector<FrameResult> fading = Frames(60, 30, 5);
