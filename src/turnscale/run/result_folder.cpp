@@ -29,10 +29,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a file of the results holds; empty if there is no such file: not every run writes all of them.
+// What a file of the results holds; empty if there is no such file: not every run writes all of them. A device or pipe
+// keeps nothing of what a run has written to it.
 std::string TextIfThere(const fs::path& path) {
   std::error_code none;
-  if (fs::status(path, none).type() == fs::file_type::not_found) return {};
+  const fs::file_status status = fs::status(path, none);
+  if (status.type() == fs::file_type::not_found || fs::is_other(status)) return {};
   if (std::optional<std::string> text = FileText(path)) return *std::move(text);
   throw InputError(path.string() + ": cannot be read");
 }

@@ -136,6 +136,10 @@ TEST_F(ResultFolderTest, SaysWhatIsNoResult) {
     std::ofstream(folder_ / "summary.json") << text;
     EXPECT_NE(Refusal().find("summary.json: is not a summary of a run"), std::string::npos) << text;
   }
+  std::ofstream(folder_ / "summary.json") << R"({"camera_yaw_pitch_roll_deg": [1, 2, 3]})";
+  EXPECT_EQ(Refusal(), "");
+  fs::create_directory(folder_ / "turns.csv");
+  EXPECT_NE(Refusal().find("turns.csv: cannot be read"), std::string::npos);
 }
 
 }  // namespace
