@@ -233,8 +233,6 @@ class DriveReader {
   }
 
  private:
-  ImageArguments arguments_;
-  std::unique_ptr<DriveImages> images_;
   // Two threads of Python may iterate at the same time: the second waits here. Adds what there is to say.
   std::optional<SourceFrame> Read(std::vector<std::string>& notices) {
     const std::lock_guard alone(busy_);
@@ -251,6 +249,8 @@ class DriveReader {
     return frame;
   }
 
+  ImageArguments arguments_;
+  std::unique_ptr<DriveImages> images_;
   std::mutex busy_;
   int read_ = 0;
   bool ended_ = false;  ///< what is to be said at the end has been said

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -69,7 +70,7 @@ std::optional<int> FirstLost(const std::vector<FrameResult>& frames) {
   return std::nullopt;
 }
 
-std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
+std::vector<Trajectory> Stretches(std::span<const FrameResult> frames) {
   std::vector<Trajectory> stretches;
   bool open = false;
   for (const FrameResult& frame : frames) {
@@ -351,7 +352,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     progress.Warn(moved + ": only what follows is used");
   }
   motion.calibration_sigma = scale.calibration_sigma;
-  motion.stretches = Stretches({frames.begin() + moved_at, frames.end()});
+  motion.stretches = Stretches(std::span(frames).subspan(moved_at));
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!moved.empty())
     motion.incomplete = moved;

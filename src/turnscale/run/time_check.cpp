@@ -80,10 +80,10 @@ bool SkipsAnImage(const ImageStep& before, const ImageStep& step, const ImageSte
          excess > kLeastExcess && excess > kLeastAcceleration * step.seconds * step.seconds;
 }
 
-std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames, double first_time) {
+std::optional<std::string> SkippedImages(const std::vector<std::vector<ImageStep>>& rows, double first_time) {
   size_t steps = 0;
   std::vector<double> skips;  // times
-  for (const std::vector<ImageStep>& row : RowsOfSteps(frames)) {
+  for (const std::vector<ImageStep>& row : rows) {
     steps += row.size();
     for (size_t i = 1; i + 1 < row.size(); ++i)
       if (SkipsAnImage(row[i - 1], row[i], row[i + 1])) skips.push_back(row[i].time);
@@ -97,8 +97,7 @@ std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames,
       skips.size(), skips.front() - first_time);
 }
 
-std::optional<std::string> UnevenTimes(const std::vector<FrameResult>& frames, double first_time) {
-  const std::vector<std::vector<ImageStep>> rows = RowsOfSteps(frames);
+std::optional<std::string> UnevenTimes(const std::vector<std::vector<ImageStep>>& rows, double first_time) {
   std::vector<double> distances;
   for (const std::vector<ImageStep>& row : rows)
     for (const ImageStep& step : row) distances.push_back(step.distance);
@@ -197,9 +196,10 @@ std::optional<std::string> UnusualTurnsWarning(std::vector<std::pair<double, dou
 std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns,
                                       double first_time) {
   std::vector<std::string> warnings;
-  if (std::optional<std::string> uneven = UnevenTimes(frames, first_time)) warnings.push_back(std::move(*uneven));
+  const std::vector<std::vector<ImageStep>> rows = RowsOfSteps(frames);
+  if (std::optional<std::string> uneven = UnevenTimes(rows, first_time)) warnings.push_back(std::move(*uneven));
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return warnings;
-  if (std::optional<std::string> skipped = SkippedImages(frames, first_time)) warnings.push_back(std::move(*skipped));
+  if (std::optional<std::string> skipped = SkippedImages(rows, first_time)) warnings.push_back(std::move(*skipped));
   if (std::optional<std::string> jump = JumpBack(frames, first_time)) warnings.push_back(std::move(*jump));
   if (std::optional<std::string> unusual = UnusualTurns(frames, turns)) warnings.push_back(std::move(*unusual));
   return warnings;

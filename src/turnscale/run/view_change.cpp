@@ -89,8 +89,7 @@ std::string ViewChangeText(const std::vector<double>& times, double first_time) 
   return fmt::format(
       "the view changes from one image to the next at {:.1f} s{}, where tracking began anew: if the video was cut "
       "there, the path lacks what was driven between, and may go on in a wrong direction; if clips that overlap were "
-      "joined, it has it twice (give the "
-      "clips themselves)",
+      "joined, it has it twice (give the clips themselves)",
       times.front() - first_time,
       times.size() > 1 ? fmt::format(" (the first of {} such places)", times.size()) : std::string());
 }
