@@ -21,6 +21,7 @@
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/report/run_report.h"
 #include "turnscale/report/thumbnails.h"
+#include "turnscale/run/run_cost.h"
 #include "turnscale/run/vehicle_file.h"
 
 namespace turnscale {

@@ -16,6 +16,7 @@
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/run_cost.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/run_writer.h"
 

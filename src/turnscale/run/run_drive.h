@@ -13,6 +13,7 @@
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/run_cost.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/run_writer.h"
 #include "turnscale/run/settings.h"

@@ -7,10 +7,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include "turnscale/base/number_text.h"
-#include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/image_warnings.h"
@@ -22,16 +20,6 @@
 
 namespace turnscale {
 namespace {
-
-double Seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-rusage Usage() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage;
-}
 
 constexpr auto kMeasureAgain =
     "measure both again, and check fx and fy (pixels may not be square) and whether the video is stabilised";
@@ -350,25 +338,6 @@ std::string CameraJumpText(const MountJump& jump, double first_time) {
 std::string CameraJumpWarning(const MountJump& jump, double first_time) {
   return CameraJumpText(jump, first_time) +
          "; the path allows for it, and car.yaml has the rotation after it: check that the camera is still fixed";
-}
-
-std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
-  if (seconds.empty()) return std::nullopt;
-  return FrameLatency{1e3 * Median(seconds), 1e3 * Quantile(seconds, 0.99), 1e3 * Quantile(seconds, 1)};
-}
-
-ProcessClocks ReadClocks() {
-  const rusage usage = Usage();
-  return {std::chrono::steady_clock::now(), Seconds(usage.ru_utime) + Seconds(usage.ru_stime)};
-}
-
-RunCost CostSince(const ProcessClocks& start) {
-  const ProcessClocks now = ReadClocks();
-  RunCost cost;
-  cost.wall_seconds = std::chrono::duration<double>(now.wall - start.wall).count();
-  cost.cpu_seconds = now.cpu_seconds - start.cpu_seconds;
-  cost.peak_memory_mb = static_cast<double>(Usage().ru_maxrss) / 1024.0;
-  return cost;
 }
 
 std::string UnreadableText(const std::vector<UnreadableFrame>& frames) {

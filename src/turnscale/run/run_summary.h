@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/self_calibration.h"
 #include "turnscale/run/missing_path.h"
+#include "turnscale/run/run_cost.h"
 #include "turnscale/run/uncertain_scale.h"
 
 namespace turnscale {
@@ -42,34 +42,6 @@ struct UnreadableFrame {
   int frame = 0;
   std::string problem;
 };
-
-/// Time from an image to its pose, decoding not included, milliseconds.
-struct FrameLatency {
-  double median = 0;
-  double percentile_99 = 0;
-  double largest = 0;
-};
-
-/// Of the times of all frames, seconds; none if there are none.
-std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds);
-
-/// Cost of a run: the only part that may differ between two runs of the same input.
-struct RunCost {
-  double wall_seconds = 0;
-  double cpu_seconds = 0;     ///< of all threads
-  double peak_memory_mb = 0;  ///< resident, 2^20 bytes; of the whole process so far, earlier runs included
-  std::optional<FrameLatency> latency;
-};
-
-/// The clocks of this process at a moment.
-struct ProcessClocks {
-  std::chrono::steady_clock::time_point wall;
-  double cpu_seconds = 0;  ///< of all threads
-};
-ProcessClocks ReadClocks();
-
-/// Cost since a moment, without latencies.
-RunCost CostSince(const ProcessClocks& start);
 
 /// Correction of the lens calibration estimated from the drive (mapping/lens_refinement.h).
 struct LensSummary {

@@ -2,7 +2,6 @@
 #include "turnscale/run/run_writer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -560,27 +559,6 @@ TEST(RunSummary, TheHeightIsAsUncertainAsTheScale) {
   scale.estimate->slip_conflict.emplace();
   scale.estimate->test.disagreement = 0.1;
   EXPECT_NEAR(sigma(), std::hypot(0.03, 0.15), 1e-12) << "an unusual slip";
-}
-
-TEST(RunSummary, CostIsMeasured) {
-  const RunCost of_process = CostSince({std::chrono::steady_clock::now(), 0});
-  EXPECT_GT(of_process.cpu_seconds, 0);
-  EXPECT_GT(of_process.peak_memory_mb, 1);
-  const RunCost of_nothing = CostSince(ReadClocks());
-  EXPECT_LT(of_nothing.wall_seconds, 1);
-  EXPECT_LT(of_nothing.cpu_seconds, of_process.cpu_seconds) << "an earlier run costs this one nothing";
-}
-
-TEST(RunSummary, LatencyIsThatOfTheMiddleAndOfTheSlowestFrames) {
-  EXPECT_FALSE(LatencyOf({}));
-  std::vector<double> seconds(99, 0.02);
-  seconds.push_back(0.5);
-  const std::optional<FrameLatency> latency = LatencyOf(seconds);
-  ASSERT_TRUE(latency);
-  EXPECT_DOUBLE_EQ(latency->median, 20);
-  EXPECT_GE(latency->percentile_99, 20);
-  EXPECT_LE(latency->percentile_99, 500);
-  EXPECT_DOUBLE_EQ(latency->largest, 500);
 }
 
 TEST(RunSummary, APathAcrossAGapIsNotMeasuredThere) {
