@@ -47,8 +47,8 @@ class ExportTest : public ::testing::Test {
   ExportTest() : folder_(ScratchPath("export")) {
     const ResultFolder results = TestResults(kExportedFrames, 100);
     RunSummary summary;
-    summary.scale_state = ScaleState::kHeld;
-    summary.path_sigma = 0.05;
+    summary.scale.state = ScaleState::kHeld;
+    summary.scale.path_sigma = 0.05;
     RunWriter writer({folder_ / "out"});
     writer.WriteTrajectory(results.frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
     writer.WriteTurns({});
@@ -319,7 +319,7 @@ TEST_F(ExportTest, TimesSince1970NeedNoStartTime) {
   writer.WriteTrajectory(results.frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
   writer.WriteTurns({});
   RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
+  summary.scale.state = ScaleState::kHeld;
   WriteSummary(summary);
   const std::vector<std::string> place = {"--gpx", "--origin", "49,8", "--heading", "1"};
   ASSERT_EQ(Export(place).exit_code, 0);
@@ -331,10 +331,10 @@ TEST_F(ExportTest, TimesSince1970NeedNoStartTime) {
 
 TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
   RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  summary.pinhole = Pinhole{500, 500, 320, 240};
-  summary.image_width = 640;
-  summary.image_height = 480;
+  summary.scale.state = ScaleState::kHeld;
+  summary.drive.camera.pinhole = Pinhole{500, 500, 320, 240};
+  summary.drive.images.width = 640;
+  summary.drive.images.height = 480;
   WriteSummary(summary);
   const auto camera = [&](const std::vector<std::string>& arguments) {
     const CommandResult result = Export(arguments);
@@ -345,10 +345,10 @@ TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
   EXPECT_NEAR(camera({"--gltf"})["aspectRatio"].get<double>(), 4 / 3.0, 1e-9);
   EXPECT_NEAR(camera({"--gltf", "--fov", "90", "--aspect", "1"})["yfov"].get<double>(), M_PI / 2, 1e-9);
   // No pinhole camera resembles a fisheye.
-  summary.lens_model = LensModel::kEquidistant;
+  summary.drive.camera.lens_model = LensModel::kEquidistant;
   WriteSummary(summary);
   EXPECT_NE(Export({"--gltf"}).out.find("70 deg wide is assumed"), std::string::npos);
-  summary.pose_frame = "vehicle";
+  summary.drive.given.pose_frame = "vehicle";
   WriteSummary(summary);
   ExpectComplaint(Export({"--gltf", "--gpx", "--origin", "49,8", "--heading", "0"}), 2,
                   {"are those of the rear axle", "without --frame vehicle"});
@@ -358,8 +358,8 @@ TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
 TEST_F(ExportTest, AnUncertainScaleIsNamed) {
   EXPECT_EQ(ExportAll().err, "");
   RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  summary.path_sigma = summary.scale_sigma = 0.3;
+  summary.scale.state = ScaleState::kHeld;
+  summary.scale.path_sigma = summary.scale.sigma = 0.3;
   WriteSummary(summary);
   const CommandResult uncertain = ExportAll();
   EXPECT_EQ(uncertain.exit_code, 0);

@@ -176,7 +176,7 @@ TEST_F(FailuresTest, AKillInTheFinalAdjustmentLeavesResultsThatCanBeRead) {
   // Lets the reader go if there was no second summary.
   close(open(summary.c_str(), O_RDWR | O_NONBLOCK));
   const std::string text = before.get();
-  EXPECT_EQ(end.summary.stopped, "");
+  EXPECT_EQ(end.summary.drive.ending.stopped, "");
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json["stopped"], "the final adjustment was not finished");
   EXPECT_FALSE(json["complete"].get<bool>());
@@ -199,7 +199,7 @@ TEST_F(FailuresTest, ADiskThatFillsUpOnTheWay) {
   std::signal(SIGXFSZ, handler);
   ASSERT_FALSE(end.failures.empty());
   EXPECT_THROW(std::rethrow_exception(end.failures[0]), OutputError);
-  EXPECT_NE(end.summary.stopped.find("live.tum: cannot be written: File too large"), std::string::npos);
+  EXPECT_NE(end.summary.drive.ending.stopped.find("live.tum: cannot be written: File too large"), std::string::npos);
   ExpectWholeFiles(Out());
   EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u) << "written before";
 }

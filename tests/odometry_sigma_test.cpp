@@ -115,8 +115,7 @@ TEST(OdometrySigma, CoversTurnsThatContradictEachOther) {
   EXPECT_TRUE(run.scale.contradicted_calibration.empty());
   EXPECT_TRUE(run.scale.estimate->test.contradicted);
   EXPECT_TRUE(run.scale.estimate->uses_single_turns);
-  RunSummary summary;
-  Summarize(run.refined, run.scale, summary);
+  const RunSummary summary = SummaryOf({}, run.refined, run.scale);
   EXPECT_TRUE(std::ranges::any_of(
       summary.warnings, [](const std::string& warning) { return warning.starts_with("the turns disagree"); }));
   ASSERT_TRUE(AllPosed(run.refined));

@@ -60,7 +60,7 @@ int ReportEnd(const RunEnd& end) {
   if (!failure) return 0;
   for (const std::string& other : failure->others) PrintMessage("warning: " + other);
   Failure first = failure->first;
-  if (failure->kept) first.message += "; the results so far are in " + end.summary.folder;
+  if (failure->kept) first.message += "; the results so far are in " + end.summary.drive.given.folder;
   return Report(first);
 }
 
@@ -88,8 +88,8 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
   if (end.failures.empty() && !has_nothing) {
     if (!arguments.images.quiet)
       PrintText(SummaryText(end.summary));
-    else if (end.summary.wants_metres() && !end.summary.is_metric())
-      PrintMessage("warning: " + UpToScaleText(end.summary.pending_reason));
+    else if (end.summary.drive.wants_metres() && !end.summary.scale.is_metric())
+      PrintMessage("warning: " + UpToScaleText(end.summary.scale.pending_reason));
   }
   return ReportEnd(end);
 }

@@ -13,6 +13,7 @@
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/scale_summary.h"
 
 namespace py = pybind11;
 
@@ -123,15 +124,16 @@ void FrameByFrame::Finish() {
 }
 
 RunSummary FrameByFrame::SummaryOf(const RefinedResults& results) const {
-  RunSummary summary;
-  summary.version = Version();
-  summary.pose_frame = "camera";
-  summary.camera = camera_name_;
-  summary.mask = mask_;
-  summary.vehicle_file = vehicle_file_;
-  summary.warnings = warnings_;
-  if (!results.frames.empty()) summary.first_time = results.frames.front().time;
-  return recorder_.Summary(std::move(summary), results);
+  RunInput given;
+  given.version = Version();
+  given.pose_frame = "camera";
+  given.camera = camera_name_;
+  given.mask = mask_;
+  given.vehicle_file = vehicle_file_;
+  if (!results.frames.empty()) given.first_time = results.frames.front().time;
+  RunSummary summary = recorder_.Summary(given, results);
+  summary.warnings.insert(summary.warnings.begin(), warnings_.begin(), warnings_.end());
+  return summary;
 }
 
 const char* FrameByFrame::scale_state() {
@@ -161,8 +163,8 @@ DriveTables FrameByFrame::Tables() {
     const RunSummary summary = SummaryOf(results);
     tables.summary = SummaryJson(summary);
     tables.warnings = summary.warnings;
-    if (summary.wants_metres() && !summary.is_metric())
-      tables.warnings.push_back(UpToScaleText(summary.pending_reason));
+    if (summary.drive.wants_metres() && !summary.scale.is_metric())
+      tables.warnings.push_back(UpToScaleText(summary.scale.pending_reason));
     tables.map = odometry_.RefinedMap(refined);
     return tables;
   });

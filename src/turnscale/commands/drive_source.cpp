@@ -24,6 +24,7 @@
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/run/drive_recorder.h"
+#include "turnscale/run/frame_warnings.h"
 #include "turnscale/run/image_warnings.h"
 #include "turnscale/run/missing_path.h"
 #include "turnscale/run/run_summary.h"

@@ -2,6 +2,7 @@
 #include "turnscale/commands/run_command.h"
 
 #include <cmath>
+#include <cstddef>
 #include <exception>
 #include <set>
 #include <string>
@@ -21,6 +22,7 @@
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/report/run_report.h"
 #include "turnscale/report/thumbnails.h"
+#include "turnscale/run/drive_facts.h"
 #include "turnscale/run/run_cost.h"
 #include "turnscale/run/vehicle_file.h"
 
@@ -100,25 +102,22 @@ std::vector<std::string> EarlyWarnings(const RunArguments& arguments, const Vehi
   return warnings;
 }
 
-RunSummary BeforeTheDrive(const RunArguments& arguments, const DriveImages& images, const CameraEstimate& estimate,
-                          std::vector<std::string> early_warnings) {
-  RunSummary summary;
-  summary.version = Version();
-  summary.input = arguments.images.Name();
-  if (images.drive.bags) summary.topic = images.drive.bags->topic;
-  summary.camera = images.given.name;
-  summary.found_camera = estimate.found;
-  summary.rotate = arguments.images.rotate;
-  if (arguments.images.mask) summary.mask = arguments.images.mask->string();
-  if (arguments.car.vehicle) summary.vehicle_file = arguments.car.vehicle->string();
-  summary.warnings = std::move(early_warnings);
-  if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
-  summary.pose_frame = arguments.frame;
-  summary.folder = arguments.out.string();
-  summary.start = arguments.images.start;
-  summary.end = arguments.images.end;
-  summary.first_time = images.source.first_time();
-  return summary;
+RunInput GivenTo(const RunArguments& arguments, const DriveImages& images, const CameraEstimate& estimate) {
+  RunInput given;
+  given.version = Version();
+  given.input = arguments.images.Name();
+  if (images.drive.bags) given.topic = images.drive.bags->topic;
+  given.camera = images.given.name;
+  given.found_camera = estimate.found;
+  given.rotate = arguments.images.rotate;
+  if (arguments.images.mask) given.mask = arguments.images.mask->string();
+  if (arguments.car.vehicle) given.vehicle_file = arguments.car.vehicle->string();
+  given.pose_frame = arguments.frame;
+  given.folder = arguments.out.string();
+  given.start = arguments.images.start;
+  given.end = arguments.images.end;
+  given.first_time = images.source.first_time();
+  return given;
 }
 
 LeftByOptions LeftBy(const RunArguments& arguments, const DriveImages& images) {
@@ -246,9 +245,11 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckRunOutput(output);
   hooks.opened(images.expected, images.source.first_time());
   hooks.begun();
-  const std::vector<std::string> early_warnings = EarlyWarnings(arguments, settings.odometry.vehicle, images);
-  for (const std::string& warning : early_warnings) Warn(hooks, warning);
+  std::vector<std::string> warnings = EarlyWarnings(arguments, settings.odometry.vehicle, images);
+  for (const std::string& warning : warnings) Warn(hooks, warning);
+  const std::size_t warned = warnings.size();
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, settings, hooks, hooks.phase);
+  if (!estimate.warning.empty()) warnings.push_back(estimate.warning);
   hooks.phase("");
   Odometry odometry(settings.odometry, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
@@ -267,8 +268,9 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
       .scaling = images.scaling,
       .settings = settings,
       .output = output,
-      .summary = BeforeTheDrive(arguments, images, estimate, early_warnings),
-      .warned = early_warnings.size(),
+      .given = GivenTo(arguments, images, estimate),
+      .warnings = std::move(warnings),
+      .warned = warned,
       .started = started,
       .watch =
           [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
@@ -290,13 +292,15 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
 
 std::optional<RunFailure> FailureOfRun(const RunEnd& end) {
   if (!end.nothing_tracked.empty()) {
-    RunFailure failure = {{2, end.summary.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
+    RunFailure failure = {{2, end.summary.drive.given.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
     for (const std::exception_ptr& thrown : end.failures) failure.others.push_back(FailureOf(thrown).message);
     return failure;
   }
   if (end.failures.empty() && end.interrupted) {
-    const char* more = end.begun ? "" : end.summary.frames > 0 ? ", before the first pose" : "; nothing is written";
-    return RunFailure{{kInterruptedExitCode, end.summary.stopped + more}, {}, end.begun && end.written};
+    const char* more = end.begun                      ? ""
+                       : end.summary.frames.total > 0 ? ", before the first pose"
+                                                      : "; nothing is written";
+    return RunFailure{{kInterruptedExitCode, end.summary.drive.ending.stopped + more}, {}, end.begun && end.written};
   }
   if (end.failures.empty()) return std::nullopt;
   RunFailure failure = {FailureOf(end.failures.front()), {}, end.written};

@@ -11,7 +11,7 @@
 #include "turnscale/io/run_files.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
-#include "turnscale/run/run_summary.h"
+#include "turnscale/run/missing_path.h"
 
 namespace turnscale {
 namespace {

@@ -18,32 +18,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::vector<SpeedReading> kSpeeds = {{0, 10, 0.5}, {2.9, 12.5, 0.25}};
+
 class RunReportTest : public ::testing::Test {
  protected:
   RunReportTest() : folder_(ScratchPath("report")) {}
   ~RunReportTest() override { fs::remove_all(folder_); }
 
-  void WriteRun(RunSummary summary, const std::vector<SpeedReading>& speeds = {{0, 10, 0.5}, {2.9, 12.5, 0.25}}) const {
+  // `warnings`: those before the drive's own.
+  void WriteRun(ScaleState state, const DriveFacts& drive = {}, const std::vector<SpeedReading>& speeds = kSpeeds,
+                const std::vector<std::string>& warnings = {}) const {
     std::vector<FrameResult> frames(30);
     for (int i = 0; i < 30; ++i) {
       frames[i].frame = i;
       frames[i].time = 0.1 * i;
       frames[i].state = i > 20 && i < 25 ? TrackingState::kBridged : TrackingState::kTracked;
       frames[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 1.0 * i}};
-      frames[i].scale_state = summary.scale_state;
+      frames[i].scale_state = state;
       frames[i].scale_sigma = 0.02;
     }
     RefinedScale scale;
-    if (summary.scale_state != ScaleState::kPending) {
+    if (state != ScaleState::kPending) {
+      scale.keyframes.emplace_back().state = state;
       scale.estimate.emplace().converged = true;
       scale.estimate->length_sigma = 0.034;
     }
     scale.reason = "no turn was found";
-    Summarize(frames, scale, summary);
+    RunSummary summary = SummaryOf(drive, frames, scale);
+    summary.warnings.insert(summary.warnings.begin(), warnings.begin(), warnings.end());
     RunWriter writer({folder_});
-    writer.WriteTrajectory(frames, Eigen::Quaterniond::Identity(), summary.scale_state);
+    writer.WriteTrajectory(frames, Eigen::Quaterniond::Identity(), state);
     writer.WriteTurns({});
-    if (summary.scale_state != ScaleState::kPending) writer.WriteSpeeds(speeds);
+    if (state != ScaleState::kPending) writer.WriteSpeeds(speeds);
     writer.WriteText("summary.json", SummaryJson(summary));
   }
 
@@ -53,12 +59,10 @@ class RunReportTest : public ::testing::Test {
 };
 
 TEST_F(RunReportTest, SaysWhatTheSummarySays) {
-  RunSummary summary;
-  summary.input = "drives/monday.mp4";
-  summary.scale_state = ScaleState::kHeld;
-  summary.vehicle.lever_arm = 1.5;
-  summary.warnings = {"the camera's <calibration> differs"};
-  WriteRun(summary);
+  DriveFacts drive;
+  drive.given.input = "drives/monday.mp4";
+  drive.vehicle.lever_arm = 1.5;
+  WriteRun(ScaleState::kHeld, drive, kSpeeds, {"the camera's <calibration> differs"});
   WriteRunReport(folder_);
   const nlohmann::json data = Data();
   EXPECT_EQ(data["title"], "drives/monday.mp4");
@@ -78,10 +82,9 @@ TEST_F(RunReportTest, SaysWhatTheSummarySays) {
 }
 
 TEST_F(RunReportTest, CountsFromTheFirstFrameOfTheDrive) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  summary.first_time = -60;
-  WriteRun(summary);
+  DriveFacts drive;
+  drive.given.first_time = -60;
+  WriteRun(ScaleState::kHeld, drive);
   WriteRunReport(folder_);
   EXPECT_EQ(Data()["timeOrigin"], -60);
   EXPECT_EQ(Data()["facts"][2]["note"], "\u00b10.9 km/h, at 1:02.9");
@@ -93,18 +96,14 @@ TEST_F(RunReportTest, CountsFromTheFirstFrameOfTheDrive) {
 }
 
 TEST_F(RunReportTest, ADriveInReverseHasATopSpeed) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  WriteRun(summary, {{0, 0, 0.5}, {1, -2.5, 0.25}, {2.9, -1, 0.25}});
+  WriteRun(ScaleState::kHeld, {}, {{0, 0, 0.5}, {1, -2.5, 0.25}, {2.9, -1, 0.25}});
   WriteRunReport(folder_);
   EXPECT_EQ(Data()["facts"][2]["value"], "9.0 km/h");
   EXPECT_EQ(Data()["facts"][2]["note"], "\u00b10.9 km/h, in reverse, at 0:01.0");
 }
 
 TEST_F(RunReportTest, TheLargestSigmaIsGivenWhereItSaysMoreThanThatOfThePath) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  WriteRun(summary);
+  WriteRun(ScaleState::kHeld);
   nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
   for (const auto& [largest, shown] : {std::pair(0.035, false), std::pair(0.07, true)}) {
     json["scale"]["worst_relative_sigma"] = largest;
@@ -116,9 +115,7 @@ TEST_F(RunReportTest, TheLargestSigmaIsGivenWhereItSaysMoreThanThatOfThePath) {
 }
 
 TEST_F(RunReportTest, ASigmaBeyondTheValueItselfIsNotANumber) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  WriteRun(summary);
+  WriteRun(ScaleState::kHeld);
   nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
   json["path_sigma"] = 6.6;
   std::ofstream(folder_ / "summary.json") << json;
@@ -128,17 +125,16 @@ TEST_F(RunReportTest, ASigmaBeyondTheValueItselfIsNotANumber) {
 }
 
 TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
-  RunSummary summary;
-  WriteRun(summary);
+  WriteRun(ScaleState::kPending);
   WriteRunReport(folder_);
   EXPECT_EQ(Data()["unit"], "units");
   EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no lever arm was given (--lever-arm)");
-  RunSummary with_arm;
+  DriveFacts with_arm;
   with_arm.vehicle.lever_arm = 1.5;
-  RunSummary with_height;
+  DriveFacts with_height;
   with_height.vehicle.camera_height = 1.3;
-  for (const RunSummary& given : {with_arm, with_height}) {
-    WriteRun(given);
+  for (const DriveFacts& drive : {with_arm, with_height}) {
+    WriteRun(ScaleState::kPending, drive);
     WriteRunReport(folder_);
     EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no turn was found");
   }
@@ -151,10 +147,9 @@ TEST_F(RunReportTest, NeedsResults) {
 
 // Of a version, or a failed run, that has written hardly anything.
 TEST_F(RunReportTest, WhatIsNotKnownIsLeftOut) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  summary.vehicle.lever_arm = 1.5;
-  WriteRun(summary);
+  DriveFacts drive;
+  drive.vehicle.lever_arm = 1.5;
+  WriteRun(ScaleState::kHeld, drive);
   nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
   for (const char* name : {"path_sigma", "scale", "turns", "frames", "missing", "by_all_turns"}) json.erase(name);
   std::ofstream(folder_ / "summary.json") << json;
@@ -167,9 +162,7 @@ TEST_F(RunReportTest, WhatIsNotKnownIsLeftOut) {
 }
 
 TEST_F(RunReportTest, KeepsTheTruthOfAnEarlierPage) {
-  RunSummary summary;
-  summary.scale_state = ScaleState::kHeld;
-  WriteRun(summary);
+  WriteRun(ScaleState::kHeld);
   const RigidTransform pose;
   const RunReportExtras extras = {
       {{0, 0, 0, pose, pose}, {29, 29, 2.9, pose, pose}}, R"({"as_given": {"path_length_error_percent": -1.5}})", {}};

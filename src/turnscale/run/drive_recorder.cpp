@@ -1,35 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/drive_recorder.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/run/frame_warnings.h"
 #include "turnscale/run/full_size.h"
-#include "turnscale/run/view_change.h"
 
 namespace turnscale {
 namespace {
 
-// What the odometry says of car and camera.
-void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunSummary& summary) {
-  const OdometryOptions& options = odometry.options();
-  summary.vehicle = options.vehicle;
-  summary.method = options.scale.method;
+CameraSummary CameraOf(const Odometry& odometry, const ImageScaling& scaling) {
   const CameraModel camera = scaling.Full(odometry.camera());
-  summary.pinhole = camera.pinhole;
-  summary.lens_model = camera.lens;
-  if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
+  CameraSummary summary = {.pinhole = camera.pinhole, .lens_model = camera.lens, .correction = {}};
+  if (odometry.options().lens.enabled) summary.correction = {odometry.lens().correction(), odometry.lens().sigma()};
+  return summary;
+}
+
+MountSummary MountOf(const Odometry& odometry) {
   const MountCalibration& calibration = odometry.mount();
-  summary.camera_jumps = calibration.jumps();
-  if (!options.vehicle.calibrate_camera) return;
+  MountSummary summary = {.estimate = {}, .jumps = calibration.jumps()};
+  if (!odometry.options().vehicle.calibrate_camera) return summary;
   const Mount mount = calibration.current();
-  summary.mount = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
-                   .sigma = mount.sigma,
-                   .found = mount.found,
-                   .moves = calibration.moves(),
-                   .is_outdated = !mount.found && calibration.moves() > 0};
+  summary.estimate = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
+                      .sigma = mount.sigma,
+                      .found = mount.found,
+                      .moves = calibration.moves(),
+                      .is_outdated = !mount.found && calibration.moves() > 0};
+  return summary;
 }
 
 std::vector<MapRestart> RestartsOf(const Map& map) {
@@ -126,24 +126,28 @@ RefinedResults DriveRecorder::Refined() const {
   return {std::move(frames), std::move(scale), blending};
 }
 
-RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& results) const {
-  DescribeSetting(odometry_, scaling_, summary);
+DriveFacts DriveRecorder::Facts(const RunInput& given, const RunEnding& ending, const RefinedResults& results) const {
   const cv::Size size = scaling_.Full(image_size_);
-  summary.image_width = size.width;
-  summary.image_height = size.height;
-  summary.live_metric_from = live_metric_from_;
-  summary.unreadable = unreadable_;
-  if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
-  summary.restarts = RestartsOf(odometry_.map());
-  summary.scale_state = StateAtEnd(results.scale);
-  summary.is_upside_down = odometry_.is_upside_down();
-  summary.blending = results.blending;
-  Summarize(results.frames, results.scale, summary);
-  for (const FrozenPart& part : FindFrozenParts(results.frames, repeated_))
-    summary.warnings.push_back(FrozenPartText(part, summary.first_time, summary.is_metric() ? "m" : "units"));
-  if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
-  // Results that could not be computed have no frames.
-  summary.frames = std::max(summary.frames, frames_);
+  return {.given = given,
+          .ending = ending,
+          .images = {.width = size.width,
+                     .height = size.height,
+                     .unreadable = unreadable_,
+                     .is_upside_down = odometry_.is_upside_down(),
+                     .blending = results.blending},
+          .camera = CameraOf(odometry_, scaling_),
+          .mount = MountOf(odometry_),
+          .vehicle = odometry_.options().vehicle,
+          .method = odometry_.options().scale.method,
+          .processed = frames_,
+          .repeated = repeated_,
+          .seen = seen_,
+          .restarts = RestartsOf(odometry_.map()),
+          .live_metric_from = live_metric_from_};
+}
+
+RunSummary DriveRecorder::Summary(const RunInput& given, const RefinedResults& results, const RunEnding& ending) const {
+  RunSummary summary = SummaryOf(Facts(given, ending, results), results.frames, results.scale);
   summary.cost = CostSince(started_);
   summary.cost.latency = LatencyOf(latencies_);
   return summary;

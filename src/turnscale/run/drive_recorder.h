@@ -16,6 +16,7 @@
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/drive_facts.h"
 #include "turnscale/run/run_cost.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/run_writer.h"
@@ -64,8 +65,8 @@ class DriveRecorder {
   /// Those of the frames so far.
   RefinedResults Refined() const;
 
-  /// All that the drive tells, by these results, added to what is known of it beforehand.
-  RunSummary Summary(RunSummary summary, const RefinedResults& results) const;
+  /// All that the drive tells, by these results. Its warnings are those that follow from them.
+  RunSummary Summary(const RunInput& given, const RefinedResults& results, const RunEnding& ending = {}) const;
 
  private:
   // Where an image shows a landmark. Landmarks may move to other indices; the pixel of their reference view stays.
@@ -75,6 +76,7 @@ class DriveRecorder {
   };
 
   void Keep(const FrameResult& result);
+  DriveFacts Facts(const RunInput& given, const RunEnding& ending, const RefinedResults& results) const;
   // Points of the scene that this image and the one before show.
   std::vector<MovedPoint> MovedPoints(const FrameResult& result);
 

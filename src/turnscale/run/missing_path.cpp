@@ -70,6 +70,11 @@ bool IsLate(const MissingPart& before, const std::vector<FrameResult>& frames, d
   return missing >= kLateSeconds && missing >= least_share * seconds;
 }
 
+bool IsMostOfDrive(const MissingPart& before, const std::vector<FrameResult>& frames) {
+  constexpr double kMost = 0.5;
+  return IsLate(before, frames, kMost);
+}
+
 std::string NoMapBeforeText(const MissingPart& before, int frames) {
   return fmt::format("no map could be started before {:.1f} s ({} of {} frames)", before.to, before.frames, frames);
 }

@@ -27,7 +27,14 @@ struct MissingPart {
   int frames = 0;   ///< in it
 };
 
-/// All such parts, in the order of time.
+/// Where tracking was lost for so long that the map began anew, in a guessed unit of length.
+struct MapRestart {
+  int frame = 0;          ///< the new map's first
+  double time = 0;        ///< of it, seconds
+  double unit_sigma = 0;  ///< relative standard deviation of its unit of length from that before
+};
+
+/// All missing parts, in the order of time.
 std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames);
 
 /// The longest parts, in the order of time.
@@ -53,6 +60,9 @@ inline constexpr double kLateSeconds = 2;
 
 /// Whether a part before the map is at least kLateSeconds long, and that share of the drive.
 bool IsLate(const MissingPart& before, const std::vector<FrameResult>& frames, double least_share);
+
+/// Whether a part before the map is late, and most of the drive.
+bool IsMostOfDrive(const MissingPart& before, const std::vector<FrameResult>& frames);
 
 /// One line: until when there is no map. `frames`: of the whole drive.
 std::string NoMapBeforeText(const MissingPart& before, int frames);

@@ -33,7 +33,7 @@ struct ResultFolder {
   std::vector<FrameResult> frames;
   std::vector<TurnResult> turns;
   bool metric = false;               ///< poses, landmarks and speeds are in metres
-  std::optional<bool> scale_known;   ///< RunSummary::is_scale_known; empty where an earlier version did not say
+  std::optional<bool> scale_known;   ///< ScaleSummary::is_known; empty where an earlier version did not say
   std::vector<SpeedReading> speeds;  ///< empty without metres, and where an earlier version wrote none
   std::vector<ScaleRow> scale;       ///< empty without metres
   std::vector<RotationRow> rotations;

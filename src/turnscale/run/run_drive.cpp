@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/run_drive.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/run/drive_recorder.h"
+#include "turnscale/run/frame_warnings.h"
 #include "turnscale/run/settings.h"
 #include "turnscale/run/vehicle_file.h"
 
@@ -39,8 +41,8 @@ class Run {
         progress_(progress),
         frame_(drive.next()),
         recorder_(odometry, drive.scaling, drive.started),
-        known_(drive.summary) {
-    for (size_t i = drive.warned; i < known_.warnings.size(); ++i) progress_.Warn(known_.warnings[i]);
+        warnings_(drive.warnings) {
+    for (std::size_t i = drive.warned; i < warnings_.size(); ++i) progress_.Warn(warnings_[i]);
   }
 
   RunEnd Go() {
@@ -86,7 +88,7 @@ class Run {
   // What has been printed belongs in the summary, too.
   void Warn(const std::string& warning) {
     progress_.Warn(warning);
-    known_.warnings.push_back(warning);
+    warnings_.push_back(warning);
   }
 
   void WarnOfMoves() {
@@ -100,7 +102,7 @@ class Run {
     Settings settings = drive_.settings;
     settings.odometry = odometry_.options();
     writer_->WriteText(RunFiles::kSettings, SettingsText(settings));
-    const std::optional<FoundCamera>& found = drive_.summary.found_camera;
+    const std::optional<FoundCamera>& found = drive_.given.found_camera;
     if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found));
     begun_ = true;
   }
@@ -199,32 +201,41 @@ class Run {
     return "";
   }
 
+  RunEnding Ending() const {
+    return {.clips = at_end_.clips,
+            .is_part = stop_ == Stop::kInterrupted || stop_ == Stop::kMaxFrames || at_end_.leaves_out,
+            .stopped = StopText()};
+  }
+
   // What is known of the run without its results.
   RunSummary Known() const {
-    RunSummary summary = known_;
-    summary.clips = at_end_.clips;
-    summary.is_part = stop_ == Stop::kInterrupted || stop_ == Stop::kMaxFrames || at_end_.leaves_out;
-    summary.stopped = StopText();
+    RunSummary summary;
+    summary.drive.given = drive_.given;
+    summary.drive.ending = Ending();
+    summary.warnings = warnings_;
     return summary;
   }
 
   RunSummary Summary() const {
-    RunSummary summary = recorder_.Summary(Known(), results_);
+    RunSummary summary = recorder_.Summary(drive_.given, results_, Ending());
+    summary.warnings.insert(summary.warnings.begin(), warnings_.begin(), warnings_.end());
     if (!stale_.empty()) summary.warnings.push_back(stale_);
     return summary;
   }
 
   void SummarizeSoFar() {
     RunSummary summary = Summary();
-    summary.stopped += (summary.stopped.empty() ? "" : "; ") + std::string("the final adjustment was not finished");
+    std::string& stopped = summary.drive.ending.stopped;
+    stopped += (stopped.empty() ? "" : "; ") + std::string("the final adjustment was not finished");
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary), Durability::kProcess);
   }
 
   // Prints what only the results show, and writes the summary.
   void Publish(const RunSummary& summary) {
     // Each image that cannot be used has been named when it came, instead of all in one line.
-    const std::string unreadable = summary.unreadable.empty() ? "" : UnreadableText(summary.unreadable);
-    for (size_t i = known_.warnings.size(); i < summary.warnings.size(); ++i)
+    const std::vector<UnreadableFrame>& frames = summary.drive.images.unreadable;
+    const std::string unreadable = frames.empty() ? "" : UnreadableText(frames);
+    for (std::size_t i = warnings_.size(); i < summary.warnings.size(); ++i)
       if (summary.warnings[i] != unreadable) progress_.Warn(summary.warnings[i]);
     if (!writer_) return;
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
@@ -246,7 +257,7 @@ class Run {
   Progress& progress_;
   std::optional<SourceFrame> frame_;
   DriveRecorder recorder_;
-  RunSummary known_;  // beforehand, with the warnings since: all of them have been printed
+  std::vector<std::string> warnings_;  // until now: all of them have been printed
   Stop stop_ = Stop::kNo;
   EndOfDrive at_end_;
   std::string nothing_tracked_;      // RunEnd's

@@ -13,6 +13,7 @@
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/drive_facts.h"
 #include "turnscale/run/run_cost.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/run_writer.h"
@@ -37,8 +38,9 @@ struct DriveToRun {
   ImageScaling scaling = {};                                         ///< of the frames; results are at full size
   Settings settings = {};                                            ///< kept beside the results
   RunWriterOptions output;                                           ///< where the results go
-  RunSummary summary;                                                ///< what is known of it beforehand
-  size_t warned = 0;                                                 ///< this many of summary.warnings are printed
+  RunInput given;                                                    ///< what the run was given, for its summary
+  std::vector<std::string> warnings = {};                            ///< of the drive, known beforehand
+  std::size_t warned = 0;                                            ///< this many of them are printed
   ProcessClocks started = ReadClocks();                              ///< from when on its cost counts
   /// Called after every frame with its result. What it throws ends the run.
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};

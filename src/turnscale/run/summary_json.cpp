@@ -14,10 +14,10 @@ namespace {
 
 nlohmann::ordered_json CostJson(const RunSummary& summary) {
   const RunCost& cost = summary.cost;
-  const int frames = std::max(summary.frames, 1);
+  const int frames = std::max(summary.frames.total, 1);
   nlohmann::ordered_json json = {{"wall_s", cost.wall_seconds},
                                  {"cpu_s", cost.cpu_seconds},
-                                 {"frames_per_s", summary.frames / std::max(cost.wall_seconds, 1e-9)},
+                                 {"frames_per_s", summary.frames.total / std::max(cost.wall_seconds, 1e-9)},
                                  {"cpu_ms_per_frame", 1e3 * cost.cpu_seconds / frames},
                                  {"peak_memory_mb", cost.peak_memory_mb}};
   if (cost.latency)
@@ -39,78 +39,78 @@ nlohmann::ordered_json ClipsJson(const std::vector<ClipPart>& clips) {
   return json;
 }
 
-nlohmann::ordered_json MissingJson(const RunSummary& summary) {
+nlohmann::ordered_json MissingJson(const PathSummary& path, const std::vector<MapRestart>& starts, bool is_metric) {
   auto parts = nlohmann::ordered_json::array();
-  for (const MissingPart& part : LongestParts(summary.missing, kShownMissingParts)) {
+  for (const MissingPart& part : LongestParts(path.missing, kShownMissingParts)) {
     parts.push_back({{"reason", MissingReasonName(part.reason)},
                      {"from_s", part.from},
                      {"to_s", part.to},
                      {"frames", part.frames}});
   }
   auto restarts = nlohmann::ordered_json::array();
-  for (const MapRestart& restart : summary.restarts)
+  for (const MapRestart& restart : starts)
     restarts.push_back({{"frame", restart.frame}, {"time_s", restart.time}, {"unit_sigma", restart.unit_sigma}});
-  return {{"seconds", TotalSeconds(summary.missing)},
-          {"of_s", summary.seconds},
-          {"distance_m", summary.is_metric() ? nlohmann::ordered_json(summary.missing_distance) : nullptr},
-          {"parts", summary.missing.size()},
+  return {{"seconds", TotalSeconds(path.missing)},
+          {"of_s", path.seconds},
+          {"distance_m", is_metric ? nlohmann::ordered_json(path.missing_distance) : nullptr},
+          {"parts", path.missing.size()},
           {"longest", parts},
           {"restarts", restarts}};
 }
 
-const char* RotationSource(const RunSummary& summary) {
-  if (!summary.mount) return "given";
-  if (summary.mount->found) return "found";
-  if (summary.mount->is_outdated) return "before the move";
-  return summary.vehicle.camera_known ? "given" : "assumed";
+const char* RotationSource(const DriveFacts& drive) {
+  if (!drive.mount.estimate) return "given";
+  if (drive.mount.estimate->found) return "found";
+  if (drive.mount.estimate->is_outdated) return "before the move";
+  return drive.vehicle.camera_known ? "given" : "assumed";
 }
 
-nlohmann::ordered_json MountJson(const RunSummary& summary) {
-  nlohmann::ordered_json json = {{"source", RotationSource(summary)}};
-  if (const std::optional<MountSummary>& mount = summary.mount) {
+nlohmann::ordered_json MountJson(const DriveFacts& drive, const std::optional<double>& contradicting_yaw) {
+  nlohmann::ordered_json json = {{"source", RotationSource(drive)}};
+  if (const std::optional<MountEstimate>& mount = drive.mount.estimate) {
     if (mount->found)
       json["sigma_yaw_pitch_roll_deg"] = {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
                                           mount->sigma.roll * kDegreesPerRadian};
     json["moves"] = mount->moves;
   }
   json["knocks"] = nlohmann::ordered_json::array();
-  for (const MountJump& jump : summary.camera_jumps)
+  for (const MountJump& jump : drive.mount.jumps)
     json["knocks"].push_back(
         {{"frame", jump.first_frame}, {"time_s", jump.time}, {"yaw_deg", jump.yaw * kDegreesPerRadian}});
-  if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
+  if (contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*contradicting_yaw);
   return json;
 }
 
-nlohmann::ordered_json StabilisationJson(const RunSummary& summary) {
-  if (!summary.image_lag && !summary.image_smoothing) return nullptr;
+nlohmann::ordered_json StabilisationJson(const ScaleSummary& scale) {
+  if (!scale.image_lag && !scale.image_smoothing) return nullptr;
   nlohmann::ordered_json json;
-  if (const std::optional<ImageLag>& lag = summary.image_lag) {
+  if (const std::optional<ImageLag>& lag = scale.image_lag) {
     json["lag_s"] = lag->found;
     json["lag_sigma_s"] = lag->found_sigma;
   }
-  if (const std::optional<ImageSmoothing>& smoothing = summary.image_smoothing)
+  if (const std::optional<ImageSmoothing>& smoothing = scale.image_smoothing)
     json["smoothing_s"] = std::sqrt(smoothing->variance);
   return json;
 }
 
-const char* IntrinsicsSource(const RunSummary& summary) {
-  if (!summary.found_camera) return summary.camera.empty() ? "assumed" : "given";
-  return summary.camera.empty() ? "estimated" : "refined";
+const char* IntrinsicsSource(const RunInput& given) {
+  if (!given.found_camera) return given.camera.empty() ? "assumed" : "given";
+  return given.camera.empty() ? "estimated" : "refined";
 }
 
-nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
-  const std::optional<FoundCamera>& found = summary.found_camera;
-  const std::optional<Pinhole> pinhole = found ? found->camera.pinhole : summary.pinhole;
-  nlohmann::ordered_json json = {{"source", IntrinsicsSource(summary)}};
-  if (summary.image_width > 0) json["image_size"] = {summary.image_width, summary.image_height};
+nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, bool tested) {
+  const std::optional<FoundCamera>& found = drive.given.found_camera;
+  const std::optional<Pinhole> pinhole = found ? found->camera.pinhole : drive.camera.pinhole;
+  nlohmann::ordered_json json = {{"source", IntrinsicsSource(drive.given)}};
+  if (drive.images.width > 0) json["image_size"] = {drive.images.width, drive.images.height};
   if (pinhole) {
     json["focal_length"] = {pinhole->fx, pinhole->fy};
     json["principal_point"] = {pinhole->cx, pinhole->cy};
   }
-  const std::optional<LensModel> lens = found ? found->camera.lens : summary.lens_model;
+  const std::optional<LensModel> lens = found ? found->camera.lens : drive.camera.lens_model;
   if (lens) json["lens_model"] = LensModelName(*lens);
   if (!found) {
-    json["tested"] = summary.calibration_windows > 0;
+    json["tested"] = tested;
     return json;
   }
   json["focal_length_sigma"] = found->camera.focal_sigma;
@@ -159,67 +159,71 @@ nlohmann::ordered_json EvidenceJson(const std::optional<CarEvidence>& evidence) 
 
 std::string SummaryJson(const RunSummary& summary) {
   using Json = nlohmann::ordered_json;
-  const YawPitchRoll angles =
-      summary.mount ? summary.mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+  const DriveFacts& drive = summary.drive;
+  const RunInput& given = drive.given;
+  const FrameCounts& frames = summary.frames;
+  const ScaleSummary& scale = summary.scale;
+  const YawPitchRoll angles = drive.camera_angles();
   Json unreadable = Json::array();
-  for (const UnreadableFrame& frame : summary.unreadable) {
+  for (const UnreadableFrame& frame : drive.images.unreadable) {
     unreadable.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
   }
   const auto or_null = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   const Json json = {
-      {"version", summary.version},
-      {"input", summary.input},
-      {"topic", summary.topic.empty() ? Json(nullptr) : Json(summary.topic)},
+      {"version", given.version},
+      {"input", given.input},
+      {"topic", given.topic.empty() ? Json(nullptr) : Json(given.topic)},
       {"part",
-       {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
-        {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
-      {"first_frame_s", summary.first_time},
-      {"clips", ClipsJson(summary.clips)},
-      {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
-      {"intrinsics", IntrinsicsJson(summary)},
-      {"rotate_deg", summary.rotate},
-      {"mask", summary.mask.empty() ? Json(nullptr) : Json(summary.mask)},
-      {"pose_frame", summary.pose_frame},
-      {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
-      {"side_slip_s2_per_m", summary.vehicle.side_slip},
-      {"camera_height_m", summary.vehicle.camera_height ? Json(*summary.vehicle.camera_height) : Json(nullptr)},
+       {{"start", given.start.empty() ? Json(nullptr) : Json(given.start)},
+        {"end", given.end.empty() ? Json(nullptr) : Json(given.end)}}},
+      {"first_frame_s", given.first_time},
+      {"clips", ClipsJson(drive.ending.clips)},
+      {"camera", given.camera.empty() ? Json(nullptr) : Json(given.camera)},
+      {"intrinsics", IntrinsicsJson(drive, scale.calibration_windows > 0)},
+      {"rotate_deg", given.rotate},
+      {"mask", given.mask.empty() ? Json(nullptr) : Json(given.mask)},
+      {"pose_frame", given.pose_frame},
+      {"lever_arm_m", drive.vehicle.lever_arm ? Json(*drive.vehicle.lever_arm) : Json(nullptr)},
+      {"side_slip_s2_per_m", drive.vehicle.side_slip},
+      {"camera_height_m", drive.vehicle.camera_height ? Json(*drive.vehicle.camera_height) : Json(nullptr)},
       {"camera_yaw_pitch_roll_deg",
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
-      {"camera_rotation", MountJson(summary)},
-      {"image_stabilisation", StabilisationJson(summary)},
-      {"by_all_turns", CarJson(summary.car)},
-      {"car_evidence", EvidenceJson(summary.car_evidence)},
-      {"complete", summary.stopped.empty()},
-      {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
+      {"camera_rotation", MountJson(drive, summary.car.contradicting_yaw)},
+      {"image_stabilisation", StabilisationJson(scale)},
+      {"by_all_turns", CarJson(summary.car.refined)},
+      {"car_evidence", EvidenceJson(summary.car.evidence)},
+      {"complete", drive.ending.stopped.empty()},
+      {"stopped", drive.ending.stopped.empty() ? Json(nullptr) : Json(drive.ending.stopped)},
       {"frames",
-       {{"total", summary.frames},
-        {"tracked", summary.tracked},
-        {"repeated", summary.repeated},
-        {"bridged", summary.bridged},
-        {"initializing", summary.initializing},
-        {"unreadable", summary.unreadable.size()},
-        {"keyframes", summary.keyframes}}},
+       {{"total", frames.total},
+        {"tracked", frames.tracked},
+        {"repeated", frames.repeated},
+        {"bridged", frames.bridged},
+        {"initializing", frames.initializing},
+        {"unreadable", drive.images.unreadable.size()},
+        {"keyframes", frames.keyframes}}},
       {"unreadable", unreadable},
-      {"missing", MissingJson(summary)},
-      {"distance_m", summary.is_metric() ? Json(summary.distance) : Json(nullptr)},
-      {"distance_units", summary.is_metric() ? Json(nullptr) : Json(summary.distance)},
-      {"path_sigma", or_null(summary.path_sigma)},
+      {"missing", MissingJson(summary.path, drive.restarts, scale.is_metric())},
+      {"distance_m", scale.is_metric() ? Json(summary.path.distance) : Json(nullptr)},
+      {"distance_units", scale.is_metric() ? Json(nullptr) : Json(summary.path.distance)},
+      {"path_sigma", or_null(scale.path_sigma)},
       {"scale",
-       {{"state", ScaleStateName(summary.scale_state)},
-        {"known", summary.is_scale_known()},
-        {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
-        {"worst_relative_sigma", or_null(summary.worst_sigma)},
-        {"worst_at_s", std::isfinite(summary.worst_sigma) ? Json(summary.worst_sigma_time) : Json(nullptr)},
-        {"live_metres_from_s", summary.live_metric_from ? Json(*summary.live_metric_from) : Json(nullptr)}}},
+       {{"state", ScaleStateName(scale.state)},
+        {"known", scale.is_known()},
+        {"pending_reason", scale.pending_reason.empty() ? Json(nullptr) : Json(scale.pending_reason)},
+        {"worst_relative_sigma", or_null(scale.worst_sigma)},
+        {"worst_at_s", std::isfinite(scale.worst_sigma) ? Json(scale.worst_sigma_time) : Json(nullptr)},
+        {"live_metres_from_s", drive.live_metric_from ? Json(*drive.live_metric_from) : Json(nullptr)}}},
       {"warnings", summary.warnings},
-      {"lens",
-       summary.lens ? Json{{"correction", summary.lens->correction}, {"sigma", summary.lens->sigma}} : Json(nullptr)},
+      {"lens", drive.camera.correction ? Json{{"correction", drive.camera.correction->correction},
+                                              {"sigma", drive.camera.correction->sigma}}
+                                       : Json(nullptr)},
       {"turns",
-       {{"found", summary.turns_found},
-        {"used", summary.turns_used},
-        {"chi_squared", summary.turn_test.chi_squared},
-        {"degrees_of_freedom", summary.turn_test.degrees_of_freedom}}},
+       {{"found", scale.turns_found},
+        {"used", scale.turns_used},
+        {"chi_squared", scale.turn_test.chi_squared},
+        {"degrees_of_freedom", scale.turn_test.degrees_of_freedom}}},
       {"cost", CostJson(summary)}};
   // Names of files may not be valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -18,13 +18,13 @@ namespace {
 constexpr double kKilometresPerHour = 3.6;  // per m/s
 
 // Empty where the whole path is measured.
-std::string MissingText(const RunSummary& summary) {
-  if (summary.missing.empty()) return {};
-  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
-  const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownMissingParts);
+std::string MissingText(const PathSummary& path, double first_time) {
+  if (path.missing.empty()) return {};
+  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(path.missing), path.seconds);
+  const std::vector<MissingPart> longest = LongestParts(path.missing, kShownMissingParts);
   for (size_t i = 0; i < longest.size(); ++i)
-    text += (i == 0 ? ": " : "; ") + MissingPartText(SinceFirst(longest[i], summary.first_time));
-  if (const size_t more = summary.missing.size() - longest.size(); more > 0)
+    text += (i == 0 ? ": " : "; ") + MissingPartText(SinceFirst(longest[i], first_time));
+  if (const size_t more = path.missing.size() - longest.size(); more > 0)
     text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
   return text + "\n";
 }
@@ -35,37 +35,39 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
-std::string TestOfCalibration(const RunSummary& summary) {
-  if (summary.is_upside_down) return "not tested, as the images seem to be upside down";
-  if (summary.calibration_windows > 0)
-    return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
+std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
+  if (is_upside_down) return "not tested, as the images seem to be upside down";
+  if (scale.calibration_windows > 0)
+    return scale.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
   std::string text = "not tested, as the drive has no sharp turn";
   // The height of the camera scales with the focal length.
-  if (summary.is_metric() && summary.turns_used == 0) text += "; an error of its focal length changes the scale";
+  if (scale.is_metric() && scale.turns_used == 0) text += "; an error of its focal length changes the scale";
   return text;
 }
 
 // One line; empty before the first image.
-std::string IntrinsicsText(const RunSummary& summary) {
-  const std::optional<FoundCamera>& found = summary.found_camera;
-  if (!found && summary.camera.empty())
-    return summary.pinhole ? fmt::format("lens    focal length {:.1f} pixels, assumed\n", summary.pinhole->fx) : "";
+std::string IntrinsicsText(const DriveFacts& drive, const ScaleSummary& scale) {
+  const RunInput& given = drive.given;
+  const std::optional<FoundCamera>& found = given.found_camera;
+  const std::optional<Pinhole>& used = drive.camera.pinhole;
+  if (!found && given.camera.empty())
+    return used ? fmt::format("lens    focal length {:.1f} pixels, assumed\n", used->fx) : "";
   if (!found)
-    return fmt::format("lens    calibration {}, {}\n", std::filesystem::path(summary.camera).filename().string(),
-                       TestOfCalibration(summary));
+    return fmt::format("lens    calibration {}, {}\n", std::filesystem::path(given.camera).filename().string(),
+                       TestOfCalibration(scale, drive.images.is_upside_down));
   const Pinhole& pinhole = found->camera.pinhole;
   return fmt::format(
       "lens    focal length {}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
       FocalLengthText(found->camera), pinhole.cx, pinhole.cy, found->centre_sigma,
-      (std::filesystem::path(summary.folder) / RunFiles::kCamera).string());
+      (std::filesystem::path(given.folder) / RunFiles::kCamera).string());
 }
 
 // Where a rotation comes from that the drive has not estimated.
-std::string SourceOfRotation(const RunSummary& summary) {
-  if (summary.mount && !summary.vehicle.camera_known) return "assumed; no turn was suitable for estimating it";
-  if (!summary.contradicting_yaw) return "as given";
-  return fmt::format("as given; the drive shows yaw {:+.2f} deg, which is used", InDegrees(*summary.contradicting_yaw));
+std::string SourceOfRotation(const DriveFacts& drive, const std::optional<double>& contradicting_yaw) {
+  if (drive.mount.estimate && !drive.vehicle.camera_known) return "assumed; no turn was suitable for estimating it";
+  if (!contradicting_yaw) return "as given";
+  return fmt::format("as given; the drive shows yaw {:+.2f} deg, which is used", InDegrees(*contradicting_yaw));
 }
 
 std::string Times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
@@ -75,64 +77,65 @@ double Rounded(double angle) { return std::round(100 * InDegrees(angle)) / 100 +
 
 // The angles of the camera's rotation do not include what the estimate of the scale finds for its yaw. Empty where that
 // finds nothing, is not reliable, so that the file of the car does not have it either, or the line says so already.
-std::string YawCorrectionText(const RunSummary& summary, double yaw) {
-  const bool reliable = summary.car && summary.car_evidence;
-  if (!reliable || summary.turns_used == 0 || summary.contradicting_yaw) return {};
-  const double correction = Rounded(summary.car->yaw_error);
+std::string YawCorrectionText(const CarSummary& car, int turns_used, double yaw) {
+  const bool reliable = car.refined && car.evidence;
+  if (!reliable || turns_used == 0 || car.contradicting_yaw) return {};
+  const double correction = Rounded(car.refined->yaw_error);
   if (correction == 0) return {};
   return fmt::format("; the scale estimate corrects the yaw to {:+.2f} +-{:.2f} deg (by {:+.2f})",
-                     Rounded(yaw + summary.car->yaw_error), InDegrees(summary.car->yaw_error_sigma), correction);
+                     Rounded(yaw + car.refined->yaw_error), InDegrees(car.refined->yaw_error_sigma), correction);
 }
 
-std::string KnockText(const RunSummary& summary) {
-  const auto knocks = static_cast<int>(summary.camera_jumps.size());
+std::string KnockText(const MountSummary& mount) {
+  const auto knocks = static_cast<int>(mount.jumps.size());
   return knocks > 0 ? "; turned by a knock " + Times(knocks) : "";
 }
 
 // One line.
 std::string MountText(const RunSummary& summary) {
-  const std::optional<MountSummary>& mount = summary.mount;
+  const DriveFacts& drive = summary.drive;
+  const std::optional<MountEstimate>& mount = drive.mount.estimate;
+  const std::string knocks = KnockText(drive.mount);
   if (mount && mount->is_outdated)
     return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used{}\n",
-                       Times(mount->moves), KnockText(summary));
-  if (!mount || !mount->found) {
-    const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+                       Times(mount->moves), knocks);
+  const YawPitchRoll angles = drive.camera_angles();
+  const std::string correction = YawCorrectionText(summary.car, summary.scale.turns_used, angles.yaw);
+  if (!mount || !mount->found)
     return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}{}{}\n", Rounded(angles.yaw),
-                       Rounded(angles.pitch), Rounded(angles.roll), SourceOfRotation(summary), KnockText(summary),
-                       YawCorrectionText(summary, angles.yaw));
-  }
+                       Rounded(angles.pitch), Rounded(angles.roll),
+                       SourceOfRotation(drive, summary.car.contradicting_yaw), knocks, correction);
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
       "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from {}the drive",
-      degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
-      degrees(mount->angles.roll), degrees(mount->sigma.roll),
-      summary.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
+      degrees(angles.yaw), degrees(mount->sigma.yaw), degrees(angles.pitch), degrees(mount->sigma.pitch),
+      degrees(angles.roll), degrees(mount->sigma.roll),
+      drive.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
   if (mount->moves > 0) text += "; moved " + Times(mount->moves);
-  text += KnockText(summary);
-  return text + YawCorrectionText(summary, mount->angles.yaw) + "\n";
+  return text + knocks + correction + "\n";
 }
 
 // Length and frames of the path.
-std::string PathText(const RunSummary& summary) {
+std::string PathText(const PathSummary& path, const FrameCounts& frames, bool is_metric) {
   constexpr double kLittle = 0.01;
-  const char* unit = summary.is_metric() ? "m" : "units";
-  std::string text = fmt::format("path    {:.2f} {} in {:.1f} s", summary.distance, unit, summary.seconds);
-  if (summary.is_metric() && summary.seconds > 0)
-    text += fmt::format(" ({:.0f} km/h on average)", kKilometresPerHour * summary.distance / summary.seconds);
-  text += fmt::format(", {} frames, {} keyframes", summary.frames, summary.keyframes);
-  if (summary.missing_distance > kLittle * summary.distance)
-    text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
+  const char* unit = is_metric ? "m" : "units";
+  std::string text = fmt::format("path    {:.2f} {} in {:.1f} s", path.distance, unit, path.seconds);
+  if (is_metric && path.seconds > 0)
+    text += fmt::format(" ({:.0f} km/h on average)", kKilometresPerHour * path.distance / path.seconds);
+  text += fmt::format(", {} frames, {} keyframes", frames.total, frames.keyframes);
+  if (path.missing_distance > kLittle * path.distance)
+    text += fmt::format("; {:.2f} {} of it not measured", path.missing_distance, unit);
   return text + "\n";
 }
 
 // A height that only the drive tells is a check of the scale: both are wrong by the same factor.
-std::string HeightText(const RunSummary& summary, const CarRefinement& car) {
+std::string HeightText(const CarRefinement& car, bool is_given, int turns_used) {
   if (!(car.camera_height > 0)) return {};
   // Its sigma is that of the scale then, which another line has.
-  if (summary.vehicle.camera_height && summary.turns_used == 0)
+  if (is_given && turns_used == 0)
     return fmt::format("height  camera {:.3f} m above the road, as given\n", car.camera_height);
   return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}\n", car.camera_height, car.camera_height_sigma,
-                     summary.vehicle.camera_height ? "" : " (compare with a tape measure)");
+                     is_given ? "" : " (compare with a tape measure)");
 }
 
 std::string SlipValue(double slip, double sigma) {
@@ -140,56 +143,53 @@ std::string SlipValue(double slip, double sigma) {
 }
 
 // Empty without an estimate. Without a turn only the height is one.
-std::string CarText(const RunSummary& summary) {
-  const std::optional<CarRefinement>& car = summary.car;
+std::string CarText(const std::optional<CarRefinement>& car, const VehicleOptions& vehicle, int turns_used) {
   if (!car) return {};
   std::string text;
-  if (summary.turns_used > 0)
-    text = fmt::format("car     side slip {}\n",
-                       SideSlipText(*car, summary.vehicle.side_slip, summary.vehicle.side_slip_sigma));
-  return text + HeightText(summary, *car);
+  if (turns_used > 0)
+    text = fmt::format("car     side slip {}\n", SideSlipText(*car, vehicle.side_slip, vehicle.side_slip_sigma));
+  return text + HeightText(*car, vehicle.camera_height.has_value(), turns_used);
 }
 
 // Frames without a measured pose, by their state; empty if there are none.
-std::string FramesText(const RunSummary& summary) {
+std::string FramesText(const FrameCounts& frames, const ImageSummary& images) {
   std::string text;
   const auto add = [&](size_t count, const char* state) {
     if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, state);
   };
-  add(static_cast<size_t>(summary.initializing), "before initialisation");
-  add(static_cast<size_t>(summary.bridged), "bridged (tracking lost)");
-  add(summary.unreadable.size(), "unreadable");
-  add(static_cast<size_t>(summary.repeated), "repeated");
+  add(static_cast<size_t>(frames.initializing), "before initialisation");
+  add(static_cast<size_t>(frames.bridged), "bridged (tracking lost)");
+  add(images.unreadable.size(), "unreadable");
+  add(static_cast<size_t>(frames.repeated), "repeated");
   return text.empty() ? "" : "frames  without a measured pose: " + text + "\n";
 }
 
 // With the height of the camera alone, the scale may be known, but not from turns.
-std::string TurnsText(const RunSummary& summary) {
-  if (!summary.vehicle.lever_arm && summary.turns_found > 0)
-    return fmt::format("turns   {} found; not used without --lever-arm\n", summary.turns_found);
-  return fmt::format("turns   {} found, {} used\n", summary.turns_found, summary.turns_used);
+std::string TurnsText(const ScaleSummary& scale, bool has_lever_arm) {
+  if (!has_lever_arm && scale.turns_found > 0)
+    return fmt::format("turns   {} found; not used without --lever-arm\n", scale.turns_found);
+  return fmt::format("turns   {} found, {} used\n", scale.turns_found, scale.turns_used);
 }
 
 std::string SigmaText(double sigma) {
   return sigma > kLargestShownSigma ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
 }
 
-std::string ScaleText(const RunSummary& summary) {
-  if (summary.is_metric()) {
+std::string ScaleText(const ScaleSummary& scale, const DriveFacts& drive) {
+  if (scale.is_metric()) {
     constexpr double kClearly = 1.05;
-    return fmt::format(
-        "{}, path length {} (1 sigma){}, along the drive at most {} (at {:.1f} s)",
-        summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
-        summary.path_sigma > kClearly * summary.worst_sigma ? " with what warnings say of its parts" : "",
-        SigmaText(summary.worst_sigma), summary.worst_sigma_time - summary.first_time);
+    return fmt::format("{}, path length {} (1 sigma){}, along the drive at most {} (at {:.1f} s)",
+                       scale.is_known() ? "known" : "uncertain", SigmaText(scale.path_sigma),
+                       scale.path_sigma > kClearly * scale.worst_sigma ? " with what warnings say of its parts" : "",
+                       SigmaText(scale.worst_sigma), scale.worst_sigma_time - drive.given.first_time);
   }
-  const std::string pending = ScaleStateName(summary.scale_state);
-  if (summary.has_measure()) return pending + ", " + UpToScaleText(summary.pending_reason);
-  const std::string why = summary.wants_metres()
-                              ? ", " + UpToScaleText(summary.pending_reason)
+  const std::string pending = ScaleStateName(scale.state);
+  if (drive.has_measure()) return pending + ", " + UpToScaleText(scale.pending_reason);
+  const std::string why = drive.wants_metres()
+                              ? ", " + UpToScaleText(scale.pending_reason)
                               : ": without --lever-arm, --camera-height or --vehicle the trajectory is up to scale";
   return fmt::format("{}{}; turnscale rescale {} --lever-arm METRES converts it to metres", pending, why,
-                     summary.folder);
+                     drive.given.folder);
 }
 
 }  // namespace
@@ -217,6 +217,7 @@ std::string FocalLengthText(const CameraModel& camera) {
 }
 
 std::string SummaryText(const RunSummary& summary) {
+  const DriveFacts& drive = summary.drive;
   const RunCost& cost = summary.cost;
   return fmt::format(
       "{}"
@@ -231,10 +232,13 @@ std::string SummaryText(const RunSummary& summary) {
       "time    {:.1f} s elapsed ({:.1f} frames/s), {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of "
       "memory\n"
       "files   {}\n",
-      ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
-      CarText(summary), TurnsText(summary), FramesText(summary), MissingText(summary), cost.wall_seconds,
-      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
-      cost.peak_memory_mb, summary.folder);
+      ClipsText(drive.ending.clips), PathText(summary.path, summary.frames, summary.scale.is_metric()),
+      ScaleText(summary.scale, drive), IntrinsicsText(drive, summary.scale), MountText(summary),
+      CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
+      TurnsText(summary.scale, drive.vehicle.lever_arm.has_value()), FramesText(summary.frames, drive.images),
+      MissingText(summary.path, drive.given.first_time), cost.wall_seconds,
+      summary.frames.total / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames.total, 1), cost.peak_memory_mb, drive.given.folder);
 }
 
 }  // namespace turnscale

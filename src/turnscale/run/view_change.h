@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "turnscale/odometry/results.h"
-#include "turnscale/run/run_summary.h"
+#include "turnscale/run/missing_path.h"
 
 namespace turnscale {
 

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/run_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/run/frame_warnings.h"
+#include "turnscale/run/image_warnings.h"
+#include "turnscale/run/settings.h"
+#include "turnscale/run/time_check.h"
+#include "turnscale/run/turn_warning.h"
+
+namespace turnscale {
+namespace {
+
+constexpr auto kMeasureAgain =
+    "measure both again, and check fx and fy (pixels may not be square) and whether the video is stabilised";
+constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
+
+// Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
+// not follow one another.
+std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const std::vector<MissingPart>& missing,
+                                      double first_time) {
+  constexpr double kAtOnce = 0.15;  // s
+  std::vector<std::string> warnings;
+  for (size_t i = 1; i < clips.size(); ++i) {
+    const ClipPart& clip = clips[i];
+    const bool lost = std::ranges::any_of(missing, [&](const MissingPart& part) {
+      return part.reason == MissingReason::kLost && std::abs(part.from - clip.start) < kAtOnce;
+    });
+    if (!lost || clip.gap_before > 0) continue;
+    const auto name = [](const ClipPart& part) { return std::filesystem::path(part.file).filename().string(); };
+    warnings.push_back(
+        fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "
+                    "none is missing",
+                    name(clips[i - 1]), name(clip), clip.start - first_time));
+  }
+  return warnings;
+}
+
+// The estimated height is proportional to the scale, so that a wrong lever arm shows in it, and an image that
+// stabilisation turns with a delay (too low). One line; empty for a usual height.
+std::string UnusualHeight(const CarRefinement& car) {
+  constexpr double kLeast = 0.9;  // m; sports cars and up
+  constexpr double kMost = 2.4;   // m; vans
+  const double reach = 2 * car.camera_height_sigma;
+  if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
+  return fmt::format(
+      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
+      "is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
+      car.camera_height, car.camera_height_sigma,
+      car.camera_height < kLeast ? ", the calibration and whether the video is stabilised" : " and the calibration");
+}
+
+// A method that was asked for and has changed nothing. One line; empty where it was applied, or there is no scale.
+std::string MethodWarning(ScaleMethod method, const RefinedScale& scale) {
+  if (method == ScaleMethod::kSmoothed || scale.constrained || !scale.estimate) return {};
+  return fmt::format(
+      "the method {} was not applied: no turn could be constrained (turns.csv has the reasons); the "
+      "trajectory uses {}",
+      ScaleMethodName(method),
+      scale.estimate->uses_single_turns ? "the scales of single turns, interpolated" : "the joint estimate");
+}
+
+// What to do about a camera-to-vehicle rotation that is wrong.
+std::string RotationRemedy(const VehicleOptions& vehicle) {
+  if (!vehicle.calibrate_camera) return "correct --camera-rotation, or leave it out to have it estimated";
+  if (vehicle.camera_known) return kCheckVehicle;
+  return "check whether the camera was moved";
+}
+
+std::string TurnsWarning(const RefinedScale& scale) {
+  if (!scale.estimate) return "";
+  const auto frames_of = [&](int turn) {
+    return fmt::format("frames {}-{}", scale.turns[turn].first_frame, scale.turns[turn].last_frame);
+  };
+  return TurnWarning(*scale.estimate, frames_of,
+                     "the camera's calibration and rotation, the timestamps, the lever arm and the side slip");
+}
+
+// The yaw of an earlier drive that this one contradicts, and which is therefore not used; empty if there is none.
+std::string OtherYaw(const VehicleOptions& vehicle, const MountSummary& mount) {
+  constexpr double kMostSigmas = 3;
+  const std::optional<MountEstimate>& estimate = mount.estimate;
+  if (!vehicle.camera_known || !estimate || !estimate->found || estimate->moves > 0 || !mount.jumps.empty()) return "";
+  const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
+  const double found = estimate->angles.yaw;
+  if (!(std::abs(found - known) > kMostSigmas * std::hypot(vehicle.yaw_sigma, estimate->sigma.yaw))) return "";
+  return fmt::format(
+      "the drive gives a camera yaw of {:+.1f} +-{:.1f} deg, not {:+.1f} deg as in the file of the car; "
+      "the trajectory uses the yaw from the drive: {}",
+      InDegrees(found), InDegrees(estimate->sigma.yaw), InDegrees(known), kCheckVehicle);
+}
+
+// Images that lie on their side; empty if they do not. `rotated`: degrees clockwise, by --rotate.
+std::string RollWarning(const MountSummary& mount, int rotated) {
+  constexpr double kUpright = 45;  // degrees
+  if (!mount.estimate || !mount.estimate->found) return "";
+  const double roll = InDegrees(mount.estimate->angles.roll);
+  if (std::abs(roll) < kUpright) return "";
+  return fmt::format("the camera leans by {:+.0f} deg: if the images lie on their side, {}", roll,
+                     RotationAdvice(rotated, roll > 0 ? 90 : 270));
+}
+
+// A camera that seems to look far to the side; empty if it does not.
+std::string SidewaysWarning(const MountSummary& mount) {
+  constexpr double kMost = 40;  // degrees
+  if (!mount.estimate || !mount.estimate->found) return "";
+  const double yaw = InDegrees(mount.estimate->angles.yaw);
+  const double off_axis = std::min(std::abs(yaw), 180 - std::abs(yaw));
+  if (off_axis < kMost) return "";
+  return fmt::format(
+      "the camera seems to be turned by {:+.0f} deg from the direction of travel: if it looks ahead or back, the path "
+      "and its scale are wrong; run again from another --start",
+      yaw);
+}
+
+// Images that are known to be stabilised. The drive may not show that they no longer are.
+std::string KnownLagWarning(const VehicleOptions& vehicle, const RefinedScale& scale) {
+  std::string text = fmt::format("the images are taken to be stabilised, with a lag of {:+.2f} +-{:.2f} s",
+                                 vehicle.image_lag, vehicle.image_lag_sigma);
+  if (scale.estimate && scale.estimate->image_lag)
+    text += fmt::format(" before and {:+.2f} +-{:.2f} s after this drive", scale.estimate->image_lag->found,
+                        scale.estimate->image_lag->found_sigma);
+  return text +
+         ": without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings";
+}
+
+// What the drive says of the car against what was given or is usual.
+std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
+  std::vector<std::string> warnings;
+  const VehicleOptions& vehicle = drive.vehicle;
+  if (scale.estimate && scale.estimate->height_conflict)
+    warnings.push_back(HeightWarning(*scale.estimate->height_conflict, vehicle.lever_arm.value_or(0),
+                                     vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
+  if (car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
+    warnings.push_back(UnusualHeight(*car.refined));
+  if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
+  if (vehicle.image_lag_sigma > 0)
+    warnings.push_back(KnownLagWarning(vehicle, scale));
+  else if (scale.estimate && scale.estimate->is_stabilised())
+    warnings.push_back(StabilisationWarning(*scale.estimate));
+  if (scale.estimate && scale.estimate->yaw_conflict)
+    warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
+  warnings.push_back(OtherYaw(vehicle, drive.mount));
+  warnings.push_back(RollWarning(drive.mount, drive.given.rotate));
+  warnings.push_back(SidewaysWarning(drive.mount));
+  return warnings;
+}
+
+std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const RefinedScale& scale) {
+  std::string scale_error;
+  if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
+    scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
+  const ImageFindings images{.is_upside_down = drive.images.is_upside_down,
+                             .rotated = drive.given.rotate,
+                             .blending = drive.images.blending,
+                             .contradicted_calibration = scale.contradicted_calibration,
+                             .is_calibration_refined = drive.given.found_camera.has_value()};
+  return ImageWarnings(images, drive.given.first_time, "the scale may be wrong", scale_error);
+}
+
+// A path that begins 2 s late, or 0.5 s and lacks 3 % of its length; empty if it does not.
+std::string BeginningWarning(const UnmappedBeginning& beginning, const RunSummary& summary) {
+  constexpr double kBriefSeconds = 0.5;
+  constexpr double kSmallShare = 0.03;
+  const double seconds = beginning.part.to - beginning.part.from;
+  if (seconds < kBriefSeconds || (seconds < kLateSeconds && beginning.length < kSmallShare * summary.path.distance))
+    return "";
+  // The cause of a short part is hard to tell.
+  const MissingPart shown = SinceFirst(beginning.part, summary.drive.given.first_time);
+  const int count = summary.frames.total;
+  std::string warning =
+      beginning.is_most_of_drive ? LateBeginningText(shown, count, summary.drive.seen) : NoMapBeforeText(shown, count);
+  if (summary.scale.is_known())
+    warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", beginning.length);
+  return warning;
+}
+
+// The parts of the path that are doubtful.
+std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vector<FrameResult>& frames) {
+  const DriveFacts& drive = summary.drive;
+  const PathSummary& path = summary.path;
+  const double first_time = drive.given.first_time;
+  std::vector<std::string> warnings = SeamWarnings(drive.ending.clips, path.missing, first_time);
+  std::vector<double> seams;
+  for (const ClipPart& clip : drive.ending.clips) seams.push_back(clip.start);
+  warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, seams), first_time));
+  warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
+  if (path.uncertain) warnings.push_back(UncertainScaleText(SinceFirst(*path.uncertain, first_time), path.distance));
+  if (drive.given.pose_frame == "vehicle" && !summary.scale.is_metric())
+    warnings.emplace_back(
+        "without a scale the rear axle has no place: the positions are the camera's, with the directions of the car");
+  for (const FrozenPart& part : path.frozen)
+    warnings.push_back(FrozenPartText(part, first_time, summary.scale.is_metric() ? "m" : "units"));
+  if (path.beginning) warnings.push_back(BeginningWarning(*path.beginning, summary));
+  return warnings;
+}
+
+}  // namespace
+
+std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vector<FrameResult>& frames,
+                                     const RefinedScale& scale) {
+  const DriveFacts& drive = summary.drive;
+  std::vector<std::string> warnings;
+  const auto add = [&](std::string warning) {
+    if (!warning.empty()) warnings.push_back(std::move(warning));
+  };
+  const auto add_all = [&](std::vector<std::string> more) {
+    for (std::string& warning : more) add(std::move(warning));
+  };
+  if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
+  add_all(WarningsOfImages(drive, scale));
+  add(TurnsWarning(scale));
+  add(MethodWarning(drive.method, scale));
+  add_all(CarWarnings(drive, summary.car, scale));
+  add_all(TimeWarnings(frames, scale.turns, drive.given.first_time));
+  add_all(PathWarnings(summary, frames));
+  return warnings;
+}
+
+}  // namespace turnscale

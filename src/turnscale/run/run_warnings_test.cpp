@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/run_warnings.h"
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/geometry/angle.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/run/test_path.h"
+
+namespace turnscale {
+namespace {
+
+TEST(RunWarnings, TheAdviceToRotateImagesCountsThatTheyHaveBeenRotated) {
+  DriveFacts drive;
+  drive.mount.estimate = MountEstimate();
+  drive.mount.estimate->found = true;
+  for (const auto& [roll, rotated, advice] :
+       {std::tuple(90.0, 0, "--rotate 90)"), {-90.0, 0, "--rotate 270)"}, {-90.0, 90, "leave out --rotate 90"}}) {
+    drive.mount.estimate->angles.roll = roll / kDegreesPerRadian;
+    drive.given.rotate = rotated;
+    const std::vector<std::string> warnings = SummaryOf(drive, {}, {}).warnings;
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find(advice), std::string::npos) << warnings[0];
+  }
+}
+
+TEST(RunWarnings, BlendingIsNamedBeforeTheCalibrationThatItContradicts) {
+  std::vector<FrameResult> refined(100);
+  for (size_t i = 0; i < refined.size(); ++i) {
+    refined[i].time = 0.1 * static_cast<double>(i);
+    refined[i].state = TrackingState::kTracked;
+    refined[i].scale_state = ScaleState::kHeld;
+    refined[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, static_cast<double>(i)}};
+  }
+  RefinedScale scale;
+  scale.contradicted_calibration.resize(1);
+  scale.estimate.emplace().converged = true;
+  scale.estimate->length_sigma = 0.02;
+  DriveFacts drive;
+  drive.images.blending = FrameBlending{.from = 0.1, .to = 9.8, .period = 4};
+  const RunSummary summary = SummaryOf(drive, refined, scale);
+  ASSERT_EQ(summary.warnings.size(), 2U);
+  EXPECT_NE(summary.warnings[0].find("by blending: each"), std::string::npos) << summary.warnings[0];
+  EXPECT_TRUE(summary.warnings[1].ends_with("; the scale may be off by 2 % or more; the blending may be the cause"))
+      << summary.warnings[1];
+}
+
+TEST(RunWarnings, AMethodThatCouldNotBeAppliedIsNamed) {
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  const auto warnings = [&](ScaleMethod method) {
+    DriveFacts drive;
+    drive.method = method;
+    return SummaryOf(drive, {}, scale).warnings;
+  };
+  EXPECT_TRUE(warnings(ScaleMethod::kSmoothed).empty());
+  ASSERT_EQ(warnings(ScaleMethod::kTurns).size(), 1U);
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].starts_with("the method turns was not applied"));
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the joint estimate"));
+  EXPECT_TRUE(warnings(ScaleMethod::kPaper)[0].starts_with("the method paper was not applied"));
+  scale.estimate->uses_single_turns = true;
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the scales of single turns, interpolated"));
+  scale.constrained = true;
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns).empty());
+}
+
+TEST(RunWarnings, WarnsOfACameraTooLowOrTooHighForACar) {
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  const auto warnings = [&](double height, std::optional<double> given = {}) {
+    scale.estimate->car.camera_height = height;
+    scale.estimate->car.camera_height_sigma = 0.1;
+    DriveFacts drive;
+    drive.vehicle.camera_height = given;
+    return SummaryOf(drive, PathFrames(5, 1), scale).warnings;
+  };
+  for (const double usual : {0.75, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;
+  for (const double unusual : {0.65, 2.8}) ASSERT_EQ(warnings(unusual).size(), 1u) << unusual;
+  EXPECT_NE(warnings(2.8)[0].find("a camera 2.80 +-0.10 m above the road, which is unusual for a car"),
+            std::string::npos);
+  EXPECT_EQ(warnings(2.8)[0].find("stabilised"), std::string::npos);
+  EXPECT_NE(warnings(0.65)[0].find("check --lever-arm, the calibration and whether the video is stabilised"),
+            std::string::npos);
+  EXPECT_TRUE(warnings(2.8, 2.8).empty()) << "a lorry's";
+}
+
+TEST(RunWarnings, WarnsOfStabilisedImages) {
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  EXPECT_TRUE(SummaryOf({}, PathFrames(5, 1), scale).warnings.empty());
+  scale.estimate->image_lag = ImageLag{.found = 0.1, .found_sigma = 0.02};
+  const RunSummary found = SummaryOf({}, PathFrames(5, 1), scale);
+  ASSERT_EQ(found.warnings.size(), 1u);
+  EXPECT_TRUE(found.warnings[0].starts_with("the images seem to be stabilised: in turns their orientation lags"));
+  DriveFacts drive;
+  drive.vehicle.image_lag = 0.12;
+  drive.vehicle.image_lag_sigma = 0.03;
+  const RunSummary known = SummaryOf(drive, PathFrames(5, 1), scale);
+  ASSERT_EQ(known.warnings.size(), 1u);
+  EXPECT_EQ(
+      known.warnings[0],
+      "the images are taken to be stabilised, with a lag of +0.12 +-0.03 s before and +0.10 +-0.02 s after this "
+      "drive: without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings");
+}
+
+TEST(RunWarnings, NamesAYawOfAnEarlierDriveThatIsNotUsed) {
+  const auto warnings = [](double found_deg, bool known, int moves) {
+    DriveFacts drive;
+    drive.vehicle.camera_known = known;
+    drive.vehicle.yaw_sigma = 0.15 / kDegreesPerRadian;
+    drive.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3.5 / kDegreesPerRadian, 0, 0});
+    drive.mount.estimate =
+        MountEstimate{{found_deg / kDegreesPerRadian, 0, 0}, {0.2 / kDegreesPerRadian, 0, 0}, true, moves};
+    return SummaryOf(drive, PathFrames(5, 1), {}).warnings;
+  };
+  ASSERT_EQ(warnings(0.4, true, 0).size(), 1u);
+  EXPECT_NE(warnings(0.4, true, 0)[0].find("a camera yaw of +0.4 +-0.2 deg, not +3.5 deg as in the file of the car"),
+            std::string::npos);
+  EXPECT_TRUE(warnings(3.3, true, 0).empty());
+  EXPECT_TRUE(warnings(0.4, false, 0).empty()) << "assumed";
+  EXPECT_TRUE(warnings(0.4, true, 1).empty()) << "the camera was moved";
+}
+
+TEST(RunWarnings, NamesTheTurnThatContradicts) {
+  RefinedScale scale;
+  for (const int first : {10, 50, 90, 130}) {
+    TurnResult turn;
+    turn.used = first != 50;
+    turn.first_frame = first;
+    turn.last_frame = first + 20;
+    scale.turns.push_back(turn);
+  }
+  scale.estimate.emplace().converged = true;
+  scale.estimate->uses_single_turns = true;
+  scale.estimate->test.contradicted = true;
+  scale.estimate->test.worst_turn = 2;
+  scale.estimate->test.disagreement = 0.17;
+  const RunSummary summary = SummaryOf({}, PathFrames(5, 1), scale);
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_NE(summary.warnings[0].find("on the scale by 17 %"), std::string::npos) << summary.warnings[0];
+  EXPECT_NE(summary.warnings[0].find("frames 90-110"), std::string::npos) << summary.warnings[0];
+  EXPECT_NE(summary.warnings[0].find("check the camera's calibration"), std::string::npos) << summary.warnings[0];
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["warnings"][0], summary.warnings[0]);
+}
+
+TEST(RunWarnings, WhatAWrongCalibrationDoesIsSaidOnce) {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->converged = true;
+  scale.estimate->length_sigma = 1.16;
+  scale.contradicted_calibration = {{IntrinsicsParameter::kFocalLength, 500, 600, 10},
+                                    {IntrinsicsParameter::kCentreX, 320, 350, 5},
+                                    {IntrinsicsParameter::kDistortion, 0, 0.1, 0.01}};
+  const RunSummary summary = SummaryOf({}, PathFrames(5, 1), scale);
+  ASSERT_EQ(summary.warnings.size(), 3u);
+  for (const std::string& warning : summary.warnings)
+    EXPECT_EQ(warning.find("the scale may be off by 116 % or more") != std::string::npos,
+              &warning == &summary.warnings.back())
+        << warning;
+}
+
+TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
+  std::vector<FrameResult> frames = PathFrames(8, 1);
+  frames[4].state = TrackingState::kBridged;
+  const auto warnings = [&](double start, double gap) {
+    DriveFacts drive;
+    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap}};
+    return SummaryOf(drive, frames, {}).warnings;
+  };
+  const double seam = frames[4].time;
+  ASSERT_EQ(warnings(seam, 0).size(), 1u);
+  EXPECT_NE(warnings(seam, 0)[0].find("where a.mp4 ends and b.mp4 begins"), std::string::npos);
+  EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
+  EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
+}
+
+}  // namespace
+}  // namespace turnscale
