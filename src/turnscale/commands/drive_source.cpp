@@ -112,7 +112,8 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
 
 enum class LoopEnd { kEndOfDrive, kInterrupted };
 
-// Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt.
+// Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt. A run stops
+// otherwise (RunDrive): it reads one frame more, to say whether the drive goes on.
 LoopEnd ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks,
                       const Odometry& odometry, Progress& progress, DriveRecorder& recorder) {
   while (!(arguments.max_frames && recorder.frames() >= *arguments.max_frames)) {
@@ -124,12 +125,7 @@ LoopEnd ProcessFrames(const ImageArguments& arguments, ImageSource& source, cons
       return LoopEnd::kEndOfDrive;
     }
     if (!frame->notice.empty()) progress.Warn(frame->notice);
-    if (frame->gray.empty()) {
-      progress.Warn(SkippedWarning(frame->index, frame->problem));
-      recorder.ProcessUnreadable(frame->time, frame->problem);
-    } else {
-      recorder.Process(frame->gray, frame->time);
-    }
+    ProcessFrame(*frame, recorder, progress);
     progress.Update(recorder.frames(), fmt::format("{} keyframes", odometry.map().keyframes.size()));
   }
   return LoopEnd::kEndOfDrive;

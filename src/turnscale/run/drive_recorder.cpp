@@ -153,4 +153,10 @@ RunSummary DriveRecorder::Summary(const RunInput& given, const RefinedResults& r
   return summary;
 }
 
+FrameResult ProcessFrame(const SourceFrame& frame, DriveRecorder& recorder, Progress& progress) {
+  if (!frame.gray.empty()) return recorder.Process(frame.gray, frame.time);
+  progress.Warn(SkippedWarning(frame.index, frame.problem));
+  return recorder.ProcessUnreadable(frame.time, frame.problem);
+}
+
 }  // namespace turnscale

@@ -12,7 +12,9 @@
 #include "turnscale/frames/blended_frames.h"
 #include "turnscale/frames/double_images.h"
 #include "turnscale/frames/image_scaling.h"
+#include "turnscale/frames/image_source.h"
 #include "turnscale/frames/seen_images.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
@@ -102,5 +104,8 @@ class DriveRecorder {
   std::vector<int> repeated_;      // frames that repeat the one before, as known online
   std::optional<double> live_metric_from_;
 };
+
+/// Processes a frame as its source gives it: with its image, or skipped with a warning where that cannot be read.
+FrameResult ProcessFrame(const SourceFrame& frame, DriveRecorder& recorder, Progress& progress);
 
 }  // namespace turnscale

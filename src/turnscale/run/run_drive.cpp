@@ -108,14 +108,8 @@ class Run {
   }
 
   void Process(const SourceFrame& frame) {
-    FrameResult result;
     if (!frame.notice.empty()) Warn(frame.notice);
-    if (frame.gray.empty()) {
-      progress_.Warn(SkippedWarning(frame.index, frame.problem));
-      result = recorder_.ProcessUnreadable(frame.time, frame.problem);
-    } else {
-      result = recorder_.Process(frame.gray, frame.time);
-    }
+    const FrameResult result = ProcessFrame(frame, recorder_, progress_);
     if (recorder_.tracks() && !begun_) Begin();
     if (writer_) writer_->Add(result, odometry_.mount().At(0));
     if (drive_.watch) drive_.watch(frame, result, odometry_);
