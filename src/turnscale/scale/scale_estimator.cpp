@@ -12,27 +12,11 @@
 #include "turnscale/scale/drive_evidence.h"
 #include "turnscale/scale/drive_smoothing.h"
 #include "turnscale/scale/missing_scale.h"
+#include "turnscale/scale/prior_fit.h"
 #include "turnscale/scale/single_turns.h"
-#include "turnscale/scale/turn_selection.h"
 
 namespace turnscale {
 namespace {
-
-// The steps of EstimateScale; again with other priors, where the drive contradicts those of `car`.
-ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
-                                 const ScaleEstimatorOptions& options);
-ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
-                                    const ScaleEstimatorOptions& options);
-
-ScaleProblem ProblemOf(const DriveEvidence& evidence, const TurnSelection& selection,
-                       const ScaleEstimatorOptions& options) {
-  ScaleProblem problem;
-  problem.segments = evidence.segments;
-  problem.evidence = selection.evidence;
-  problem.options = options.evidence;
-  problem.drift = options.drift;
-  return problem;
-}
 
 double BestSigma(const std::vector<ScaleBelief>& smoothed) {
   return std::ranges::min_element(smoothed, {}, &ScaleBelief::sigma)->sigma();
@@ -89,21 +73,11 @@ void Widen(double sigma, ScaleEstimate& estimate) {
   estimate.length_sigma = std::hypot(estimate.length_sigma, sigma);
 }
 
-CarPrior WithoutHeight(CarPrior car) {
-  car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
-  return car;
-}
-
 // Without the given height the estimate agrees with it: the conflict came from the height's own pull. Far from a
 // conflict, so that the correlations of the two need not be known.
 bool IsWithinSigma(const HeightConflict& conflict) {
   const double sigma = std::hypot(conflict.found_sigma / conflict.found, conflict.given_sigma / conflict.given);
   return std::abs(std::log(conflict.found / conflict.given)) < sigma;
-}
-
-CarPrior WithLag(CarPrior car, const ScaleEstimatorOptions& options) {
-  car.image_lag_sigma = options.stabilisation.lag_sigma;
-  return car;
 }
 
 // One of the two lengths is wrong: the scale is between those that they imply.
@@ -135,15 +109,6 @@ void RefineTurns(const SmoothedDrive& drive, std::vector<TurnEstimate>& turns) {
     turn.weight = problem.weights[turn.segment][kLeverArmOfTurn];
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
   }
-}
-
-// Of c from its prior, in standard deviations of the prior.
-double SlipDeviation(const SmoothedDrive& drive, const CarPrior& car) {
-  return car.side_slip_sigma > 0 ? (drive.side_slip() - car.side_slip) / car.side_slip_sigma : 0.0;
-}
-
-bool TurnsAgree(const SmoothedDrive& drive, const TurnTestOptions& options) {
-  return !ExceedsChance(drive.smoothed.chi_squared, drive.smoothed.degrees_of_freedom, options);
 }
 
 // The joint test of the single-turn scales, and that of the slip.
@@ -184,108 +149,6 @@ void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   }
 }
 
-// Straights and pairs of turns show another yaw than the prior expects, or the turns by themselves another than all
-// else.
-bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const ScaleEstimatorOptions& options) {
-  if (car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
-  if (ContradictsYaw(drive.car, car.yaw_sigma, options.max_yaw_deviation)) return true;
-  const ScaleProblem& problem = drive.problem;
-  std::vector<WeightedDirection> directions;
-  for (std::size_t i = 0; i < problem.evidence.size(); ++i) {
-    const std::optional<DirectionInTurn>& turn = problem.evidence[i].direction_in_turn;
-    if (!turn) continue;
-    const DriveState& state = drive.smoothed.segments[i].mean;
-    directions.push_back(
-        {LinearizeDirectionInTurn(*turn, state, problem.options), problem.weights[i][kDirectionInTurn]});
-  }
-  return TurnsContradictYaw(directions, drive.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
-                            options.max_turn_yaw_deviation);
-}
-
-// No turn seems usable, and the turns by themselves show a yaw that may be why.
-bool YawHidesTurns(const MeanTurnDirection& of_turns, const CarPrior& car, const ScaleEstimatorOptions& options) {
-  if (!car.knows_lever_arm() || car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
-  const double sigma = std::sqrt(of_turns.variance + car.yaw_sigma * car.yaw_sigma);
-  return std::abs(of_turns.mean) > options.max_turn_yaw_deviation * sigma;
-}
-
-// With a yaw that its prior does not hold, as the drive contradicts it.
-ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const CarPrior& car,
-                                        const ScaleEstimatorOptions& options) {
-  CarPrior freed = car;
-  freed.yaw_sigma = options.contradicted_yaw_sigma;
-  ScaleEstimateResult result = EstimateFrom(evidence, freed, options);
-  if (!result.estimate) return result;
-  // A lag changes the direction of travel in turns, too: the yaw may be as given.
-  if (result.estimate->image_lag && car.image_lag_sigma == 0) return EstimateWithLag(evidence, car, options);
-  const CarRefinement& found = result.estimate->car;
-  result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
-  // So far off, lateral and forward motion are confused, and the yaw that fits best may be far from right, too.
-  constexpr double kMostSigmas = 3;
-  if (std::abs(found.yaw_error) <= kMostSigmas * options.contradicted_yaw_sigma) return result;
-  result.reason = "the drive contradicts the camera-to-vehicle rotation by about " +
-                  std::to_string(std::lround(InDegrees(std::abs(found.yaw_error)))) +
-                  " degrees of yaw; correct the rotation, or have it estimated";
-  LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.detected_turns);
-  result.estimate.reset();
-  return result;
-}
-
-// The estimate with or without a lag, but without a given height.
-std::optional<SmoothedDrive> SmoothedWithoutHeight(const DriveEvidence& evidence, const CarPrior& car,
-                                                   const DriveState& start, const ScaleEstimatorOptions& options) {
-  const CarPrior alone = WithoutHeight(car);
-  TurnSelection selection = SelectTurns(evidence.of_segments, alone, start, options.evidence);
-  if (!StartingLogScale(selection, alone)) return std::nullopt;
-  const ScaleProblem problem = ProblemOf(evidence, selection, options);
-  return SmoothDrive(problem, evidence.of_segments, alone, options.huber, std::move(selection));
-}
-
-// Whether the turns show a lag of stabilised images. A given height plays no part: one that disagrees with the lever
-// arm would look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of
-// its own.
-bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
-              const ScaleEstimatorOptions& options) {
-  if (!options.stabilisation.enabled || car.image_lag_sigma > 0 || !car.knows_lever_arm()) return false;
-  const DriveState& start = drive.car.mean;
-  const auto without = car.knows_height() ? SmoothedWithoutHeight(evidence, car, start, options) : drive;
-  const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), start, options);
-  if (!without || !with) return false;
-  const double most_slip = options.test.max_prior_deviation;
-  if (TurnsAgree(*without, options.test) && SlipDeviation(*without, car) > most_slip) return false;
-  if (!TurnsAgree(*with, options.test) || std::abs(SlipDeviation(*with, car)) > most_slip) return false;
-  return LagCounts(*without, *with, options.stabilisation);
-}
-
-// With a wide prior of the lag, as the turns show one.
-ScaleEstimateResult EstimateWithLag(const DriveEvidence& evidence, const CarPrior& car,
-                                    const ScaleEstimatorOptions& options) {
-  ScaleEstimateResult result = EstimateFrom(evidence, WithLag(car, options), options);
-  if (!result.estimate) result.reason = "the images seem to be stabilised; " + result.reason;
-  return result;
-}
-
-// No metres: the turns are left without a scale.
-ScaleEstimateResult WithoutEstimate(std::string reason, std::vector<TurnEstimate> turns) {
-  ScaleEstimateResult result;
-  result.reason = std::move(reason);
-  result.detected_turns = std::move(turns);
-  return result;
-}
-
-// No turn and no height gives a first value of the scale.
-ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const DriveEvidence& evidence, const CarPrior& car,
-                                  const ScaleEstimatorOptions& options) {
-  return WithoutEstimate(WhyNoStart(evidence, car, options), DescribeTurns(problem, PriorBelief(car, 0).mean));
-}
-
-// Metres are not claimed where even the best of the scale is as uncertain as that.
-ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const DriveEvidence& evidence,
-                                 const CarPrior& car, const ScaleEstimatorOptions& options) {
-  LeaveOutTurns("its scale is too uncertain", turns);
-  return WithoutEstimate(WhyTooUncertain(sigma, evidence, car, options), std::move(turns));
-}
-
 // The smoothed scale and the turns, before they are tested.
 ScaleEstimate EstimateOf(const SmoothedDrive& drive, const CarPrior& car, const ScaleEstimatorOptions& options) {
   const ScaleProblem& problem = drive.problem;
@@ -311,30 +174,89 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
-// Relative error of the scale by a lag that the turns do not show for certain, beyond its sigma; 0 where a lag is
-// allowed for already.
-double ErrorByLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
-                  const ScaleEstimatorOptions& options) {
-  if (car.image_lag_sigma > 0) return 0;
-  const auto with = SmoothedWithoutHeight(evidence, WithLag(car, options), drive.car.mean, options);
-  if (!with) return 0;
-  const ScaleBelief& without_lag = drive.smoothed.segments.back();
-  const ScaleBelief& with_lag = with->smoothed.segments.back();
-  const double more = with_lag.sigma() * with_lag.sigma() - without_lag.sigma() * without_lag.sigma();
-  return std::hypot(with_lag.mean[kLogScale] - without_lag.mean[kLogScale], std::sqrt(std::max(0.0, more)));
-}
-
 // Sigma grows by what the smoothing of stabilised images does to a scale from turns alone, and by what a lag may do:
 // images that are stabilised may have one, too.
-void CoverSmoothing(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
-                    const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  if (!options.stabilisation.enabled || !car.knows_lever_arm() || car.knows_height()) return;
-  estimate.image_smoothing = FindImageSmoothing(evidence.steps, drive.problem.segments, drive.smoothed.segments,
-                                                options.evidence.line.sigma_theta, options.stabilisation);
+void CoverSmoothing(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options,
+                    ScaleEstimate& estimate) {
+  if (!options.stabilisation.enabled || !fit.car.knows_lever_arm() || fit.car.knows_height()) return;
+  estimate.image_smoothing =
+      FindImageSmoothing(evidence.steps, fit.drive->problem.segments, fit.drive->smoothed.segments,
+                         options.evidence.line.sigma_theta, options.stabilisation);
   if (!estimate.image_smoothing) return;
   double& error = estimate.image_smoothing->scale_error;
-  error = std::hypot(error, ErrorByLag(drive, evidence, car, options));
+  error = std::hypot(error, ErrorByLag(evidence, fit, options));
   Widen(error, estimate);
+}
+
+// No metres: the turns are left without a scale.
+ScaleEstimateResult WithoutEstimate(std::string reason, std::vector<TurnEstimate> turns) {
+  ScaleEstimateResult result;
+  result.reason = std::move(reason);
+  result.detected_turns = std::move(turns);
+  return result;
+}
+
+// The joint estimate of all turns, tested, before a conflict changes it; or why there is none.
+ScaleEstimateResult JointEstimate(const DriveEvidence& evidence, const PriorFit& fit,
+                                  const ScaleEstimatorOptions& options) {
+  const CarPrior& car = fit.car;
+  if (!fit.drive) {
+    const ScaleProblem problem = StartingProblem(evidence, car, options);
+    return WithoutEstimate(WhyNoStart(evidence, car, options), DescribeTurns(problem, PriorBelief(car, 0).mean));
+  }
+  const SmoothedDrive& drive = *fit.drive;
+  ScaleEstimate estimate = EstimateOf(drive, car, options);
+  const double best = BestSigma(estimate.smoothed);
+  if (!(best <= options.max_sigma)) {
+    LeaveOutTurns("its scale is too uncertain", estimate.turns);
+    return WithoutEstimate(WhyTooUncertain(best, evidence, car, options), std::move(estimate.turns));
+  }
+  ScaleEstimateResult result;
+  result.detected_turns = estimate.turns;
+  RefineTurns(drive, estimate.turns);
+  estimate.test = TestOf(estimate.turns, drive, car, options.test);
+  estimate.slip_conflict = SlipConflictOf(estimate.test, drive, car, options.test);
+  InflateAndDescribe(drive, car, options.max_sigma, estimate);
+  CoverSmoothing(evidence, fit, options, estimate);
+  result.estimate = std::move(estimate);
+  return result;
+}
+
+// Single-turn scales where the joint estimate is not to be trusted, a wider sigma where only the slip is unusual: what
+// it explains may be something else. Then all that depends on which scales are used.
+void Conclude(const PriorFit& fit, const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
+  if (options.uses_single_turns || estimate.test.contradicted || !estimate.converged)
+    estimate.uses_single_turns = UseSingleTurns(options.max_sigma_ratio, estimate);
+  if (estimate.slip_conflict && !estimate.uses_single_turns) Widen(estimate.test.disagreement, estimate);
+  estimate.from_road = FromRoad(fit.drive->problem, estimate);
+  DescribeScaleAtTurns(estimate);
+}
+
+// Says which priors were freed. There is no estimate where the yaw is too far off.
+void NameFreedPriors(const PriorFit& fit, const ScaleEstimatorOptions& options, ScaleEstimateResult& result) {
+  if (fit.freed.yaw && result.estimate) {
+    const CarRefinement& found = result.estimate->car;
+    result.estimate->yaw_conflict = YawConflict{fit.given.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
+    // So far off, lateral and forward motion are confused, and the yaw that fits best may be far from right, too.
+    constexpr double kMostSigmas = 3;
+    if (std::abs(found.yaw_error) > kMostSigmas * options.contradicted_yaw_sigma) {
+      result.reason = "the drive contradicts the camera-to-vehicle rotation by about " +
+                      std::to_string(std::lround(InDegrees(std::abs(found.yaw_error)))) +
+                      " degrees of yaw; correct the rotation, or have it estimated";
+      LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.detected_turns);
+      result.estimate.reset();
+    }
+  }
+  if (fit.freed.lag && !result.estimate) result.reason = "the images seem to be stabilised; " + result.reason;
+}
+
+ScaleEstimateResult EstimateWithoutHeight(const DriveEvidence& evidence, const CarPrior& car,
+                                          const ScaleEstimatorOptions& options) {
+  const PriorFit fit = FitPriors(evidence, WithoutHeight(car), options);
+  ScaleEstimateResult result = JointEstimate(evidence, fit, options);
+  if (result.estimate) Conclude(fit, options, *result.estimate);
+  NameFreedPriors(fit, options, result);
+  return result;
 }
 
 // What becomes of a given height.
@@ -345,13 +267,13 @@ struct HeightDecision {
 };
 
 // A height that seems to be in conflict with the turns is compared with the one that they show without it: weights,
-// slip and yaw of the joint estimate are bent by it. `posterior`: with c unbounded, as a wrong height may be what makes
-// it negative.
-HeightDecision JudgeHeight(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options,
-                           const ScaleBelief& posterior, const TurnTest& test) {
-  std::optional<HeightConflict> conflict = CompareHeight(posterior, car, options.max_height_deviation);
+// slip and yaw of the joint estimate are bent by it.
+HeightDecision JudgeHeight(const DriveEvidence& evidence, const PriorFit& fit, const TurnTest& test,
+                           const ScaleEstimatorOptions& options) {
+  // With c unbounded: a wrong height may be what makes it negative.
+  std::optional<HeightConflict> conflict = CompareHeight(fit.drive->car, fit.car, options.max_height_deviation);
   if (!conflict) return {};
-  ScaleEstimateResult without = EstimateFrom(evidence, WithoutHeight(car), options);
+  ScaleEstimateResult without = EstimateWithoutHeight(evidence, fit.car, options);
   if (without.estimate && without.estimate->car.camera_height > 0) {
     const ScaleEstimate& alone = *without.estimate;
     conflict->found = alone.car.camera_height;
@@ -364,46 +286,6 @@ HeightDecision JudgeHeight(const DriveEvidence& evidence, const CarPrior& car, c
   TakeConflict(*conflict, *without.estimate);
   DescribeScaleAtTurns(*without.estimate);
   return {conflict, std::move(without)};
-}
-
-// Single-turn scales where the joint estimate is not to be trusted, a wider sigma where only the slip is unusual: what
-// it explains may be something else.
-void AllowForInconsistency(const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  if (options.uses_single_turns || estimate.test.contradicted || !estimate.converged)
-    estimate.uses_single_turns = UseSingleTurns(options.max_sigma_ratio, estimate);
-  if (estimate.slip_conflict && !estimate.uses_single_turns) Widen(estimate.test.disagreement, estimate);
-}
-
-ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
-                                 const ScaleEstimatorOptions& options) {
-  const DriveState start = StartingState(car, evidence.of_turns);
-  TurnSelection selection = SelectTurns(evidence.of_segments, car, start, options.evidence);
-  const ScaleProblem problem = ProblemOf(evidence, selection, options);
-  if (!StartingLogScale(selection, car)) {
-    return YawHidesTurns(evidence.of_turns, car, options) ? EstimateWithFreeYaw(evidence, car, options)
-                                                          : WithoutAStart(problem, evidence, car, options);
-  }
-  const SmoothedDrive drive = SmoothDrive(problem, evidence.of_segments, car, options.huber, std::move(selection));
-  if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(evidence, car, options);
-  if (ShowsLag(drive, evidence, car, options)) return EstimateWithLag(evidence, car, options);
-  ScaleEstimate estimate = EstimateOf(drive, car, options);
-  const double best = BestSigma(estimate.smoothed);
-  if (!(best <= options.max_sigma)) return TooUncertain(best, std::move(estimate.turns), evidence, car, options);
-  ScaleEstimateResult result;
-  result.detected_turns = estimate.turns;
-  RefineTurns(drive, estimate.turns);
-  estimate.test = TestOf(estimate.turns, drive, car, options.test);
-  estimate.slip_conflict = SlipConflictOf(estimate.test, drive, car, options.test);
-  InflateAndDescribe(drive, car, options.max_sigma, estimate);
-  CoverSmoothing(drive, evidence, car, options, estimate);
-  HeightDecision height = JudgeHeight(evidence, car, options, drive.car, estimate.test);
-  if (height.without) return *std::move(height.without);
-  if (height.conflict) TakeConflict(*height.conflict, estimate);
-  AllowForInconsistency(options, estimate);
-  estimate.from_road = FromRoad(drive.problem, estimate);
-  DescribeScaleAtTurns(estimate);
-  result.estimate = std::move(estimate);
-  return result;
 }
 
 }  // namespace
@@ -428,7 +310,20 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
                                   const ScaleEstimatorOptions& options) {
   car.Check();
   options.Check();
-  return EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
+  const DriveEvidence evidence = EvidenceOfDrive(steps, options.segments, options.evidence);
+  const PriorFit fit = FitPriors(evidence, car, options);
+  ScaleEstimateResult result = JointEstimate(evidence, fit, options);
+  if (result.estimate) {
+    HeightDecision height = JudgeHeight(evidence, fit, result.estimate->test, options);
+    if (height.without) {
+      result = *std::move(height.without);
+    } else {
+      if (height.conflict) TakeConflict(*height.conflict, *result.estimate);
+      Conclude(fit, options, *result.estimate);
+    }
+  }
+  NameFreedPriors(fit, options, result);
+  return result;
 }
 
 }  // namespace turnscale

@@ -125,11 +125,10 @@ struct ScaleEstimateResult {
 /// log-scale, a random walk, six constants with physical priors (the yaw error of Q, the side slip c, the lag of the
 /// images, the lever arm, the heights of the camera above the roll axis and above the road), and the correlated error
 /// of the road. Time is linear in the number of steps. In order:
-///   evidence   what each segment of the drive measures (GatherEvidence)
-///   start      the usable turns, and a first value of the scale from them, or from a given height
-///   smooth     the estimate, with robust weights (SmoothDrive)
-///   yaw        where the drive contradicts the prior of the yaw, all is estimated again with a free one
-///   lag        where the turns show that the images are stabilised with a lag, all is estimated again with one
+///   evidence   what each segment of the drive measures (EvidenceOfDrive)
+///   priors     the usable turns, a first value of the scale from them or from a given height, and the estimate with
+///              robust weights (SmoothDrive). Where the drive contradicts the prior of the yaw, or the turns show that
+///              the images are stabilised with a lag, again with a wider prior (FitPriors)
 ///   certainty  no estimate where even the smallest sigma exceeds max_sigma
 ///   test       the single-turn scales jointly against the estimate (TurnTest); sigma covers their scatter
 ///   smoothing  where turns begin before the car turns, sigma covers what this does to the scale (FindImageSmoothing)
