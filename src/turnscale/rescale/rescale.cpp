@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "turnscale/base/check_part.h"
@@ -131,29 +133,33 @@ ScaleEstimatorOptions EstimatorFor(const RescaleOptions& options) {
   return estimator;
 }
 
-// Leaves the reason why there is none.
-bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<PathGap>& gaps,
-               RescaleResult& result) {
+// What poses that are too far apart have to do with a scale that could not be estimated.
+enum class SparsePoses { kNothing, kMayContribute, kExplainIt };
+
+struct NoScale {
+  std::string reason;
+  SparsePoses sparse = SparsePoses::kExplainIt;
+};
+
+// Returns why there is none.
+std::optional<NoScale> FindMount(const RescaleOptions& options, const Trajectory& trajectory,
+                                 const std::vector<PathGap>& gaps, RescaleResult& result) {
   std::vector<int> first_poses;
   for (const PathGap& gap : gaps) first_poses.push_back(gap.pose);
   result.yaw_sigma = options.car.yaw_sigma;
-  if (AreInverse(CutAtGaps(trajectory, first_poses))) {
-    result.reason = kInversePoses;
-    return false;
-  }
+  if (AreInverse(CutAtGaps(trajectory, first_poses))) return NoScale{std::string(kInversePoses), SparsePoses::kNothing};
   if (options.vehicle_from_camera) {
     result.vehicle_from_camera = *options.vehicle_from_camera;
-    return true;
+    return std::nullopt;
   }
   try {
     const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses, options.steps);
     result.vehicle_from_camera = mount.vehicle_from_camera;
     result.yaw_sigma = mount.yaw_sigma ? PriorYawSigma(*mount.yaw_sigma, options.car.yaw_sigma)
                                        : std::max(options.car.yaw_sigma, kUnobservedYawSigma);
-    return true;
+    return std::nullopt;
   } catch (const InputError& error) {
-    result.reason = error.what();
-    return false;
+    return NoScale{error.what()};
   }
 }
 
@@ -268,26 +274,32 @@ std::string WhyTooSparse(const RescaleOptions& options, const Trajectory& trajec
          "; give the poses of more frames";
 }
 
-// Leaves the reason where there is no scale.
-void EstimateScaleOf(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<PathGap>& gaps,
-                     const std::vector<PathHeight>& heights, RescaleResult& result) {
-  if (!FindMount(options, trajectory, gaps, result)) return;
+// Returns why there is no scale.
+std::optional<NoScale> EstimateScaleOf(const RescaleOptions& options, const Trajectory& trajectory,
+                                       const std::vector<PathGap>& gaps, const std::vector<PathHeight>& heights,
+                                       RescaleResult& result) {
+  if (std::optional<NoScale> none = FindMount(options, trajectory, gaps, result)) return none;
   Trajectory path = trajectory;
   for (StampedPose& pose : path)
     pose.world_from_camera.rotation = pose.world_from_camera.rotation * result.vehicle_from_camera.conjugate();
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
   SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
-    result.reason = options.vehicle_from_camera
-                        ? kGivenRotationDisagrees
-                        : "most of the path goes sideways, up, down or backwards, also with the estimated camera "
-                          "rotation; check that the poses are world_from_camera, not their inverse";
-    return;
+    if (options.vehicle_from_camera) return NoScale{std::string(kGivenRotationDisagrees), SparsePoses::kMayContribute};
+    return NoScale{
+        "most of the path goes sideways, up, down or backwards, also with the estimated camera rotation; check that "
+        "the poses are world_from_camera, not their inverse"};
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
-  result.reason = estimate.reason;
+  if (!estimate.estimate) return NoScale{std::move(estimate.reason)};
   result.estimate = std::move(estimate.estimate);
-  result.observable = result.estimate.has_value();
+  result.observable = true;
+  return std::nullopt;
+}
+
+std::string ReasonOf(const NoScale& none, const std::string& sparse) {
+  if (sparse.empty() || none.sparse == SparsePoses::kNothing) return none.reason;
+  return none.sparse == SparsePoses::kExplainIt ? sparse : none.reason + "; " + sparse;
 }
 
 }  // namespace
@@ -326,11 +338,8 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   CheckHeights(heights);
   RescaleResult result;
   if (options.timed) result.assumed_slip = {options.car.side_slip, options.car.side_slip_sigma};
-  EstimateScaleOf(options, trajectory, gaps, heights, result);
-  if (!result.observable) {
-    const std::string sparse = WhyTooSparse(options, trajectory, gaps);
-    if (!sparse.empty() && result.reason != kInversePoses)
-      result.reason = result.reason == kGivenRotationDisagrees ? result.reason + "; " + sparse : sparse;
+  if (const auto none = EstimateScaleOf(options, trajectory, gaps, heights, result)) {
+    result.reason = ReasonOf(*none, WhyTooSparse(options, trajectory, gaps));
     return result;
   }
   BringToMetres(trajectory, result);
