@@ -6,21 +6,17 @@
 #include <cmath>
 #include <utility>
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/core/eigen.hpp>
-
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/triangulation.h"
+#include "turnscale/mapping/essential_motion.h"
 #include "turnscale/mapping/landmarks.h"
 
 namespace turnscale {
 namespace {
 
-constexpr double kRansacConfidence = 0.9999;
 // Of the least parallax: at this, more of it shows hardly any more landmarks.
 constexpr double kAmpleParallax = 2;
 
@@ -59,41 +55,6 @@ bool HaveNearGone(const TwoViewOptions& options, const std::vector<double>& para
   const auto moved = std::ranges::count_if(parallaxes, [&](double parallax) { return parallax >= least; });
   const auto all = static_cast<double>(parallaxes.size()) + gone;
   return moved >= options.min_landmarks && static_cast<double>(moved) + gone >= kLeastShare * all;
-}
-
-struct EssentialMotion {
-  RigidTransform second_from_first;  // unit translation
-  int agreeing = 0;                  // matches, far ones included
-  std::vector<char> inlier;          // and near enough for a depth
-};
-
-EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole,
-                           const std::vector<Eigen::Vector3d>& first, const std::vector<Eigen::Vector3d>& second) {
-  std::vector<cv::Point2d> a;
-  std::vector<cv::Point2d> b;
-  for (size_t i = 0; i < first.size(); ++i) {
-    a.emplace_back(first[i].x(), first[i].y());
-    b.emplace_back(second[i].x(), second[i].y());
-  }
-  const double threshold = options.max_epipolar_error / pinhole.fx;
-  cv::Mat mask;
-  const cv::Mat identity = cv::Mat::eye(3, 3, CV_64F);
-  const cv::Mat essential = cv::findEssentialMat(a, b, identity, cv::RANSAC, kRansacConfidence, threshold, mask);
-  EssentialMotion motion;
-  if (essential.rows != 3) return motion;
-  motion.agreeing = cv::countNonZero(mask);
-  cv::Mat rotation;
-  cv::Mat translation;
-  // Points farther than this many baselines do not decide which of the four motions is right.
-  constexpr double kFarthest = 500;
-  cv::recoverPose(essential, a, b, identity, rotation, translation, kFarthest, mask);
-  Eigen::Matrix3d R;
-  cv::cv2eigen(rotation, R);
-  motion.second_from_first.rotation = Eigen::Quaterniond(R).normalized();
-  motion.second_from_first.translation = {translation.at<double>(0), translation.at<double>(1),
-                                          translation.at<double>(2)};
-  motion.inlier.assign(mask.begin<uchar>(), mask.end<uchar>());
-  return motion;
 }
 
 // Pixels: the larger of the two bounds.
@@ -199,7 +160,7 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
-  const EssentialMotion motion = FindMotion(options, pinhole, first_rays, second_rays);
+  const EssentialMotion motion = FindEssentialMotion(first_rays, second_rays, options.max_epipolar_error / pinhole.fx);
   if (motion.inlier.empty()) return result;
 
   TwoViewBundle bundle = Triangulated(pinhole, motion, first, second, first_rays, second_rays);

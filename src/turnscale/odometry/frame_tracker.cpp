@@ -41,14 +41,12 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
-bool FrameTracker::ShowsSamePixels(const FlowImage& image) const {
-  return HaveSamePixels(sampled_ ? sampled_->gray : last_image_.gray, image.gray);
-}
+bool FrameTracker::ShowsSamePixels(const FlowImage& image) const { return HaveSamePixels(latest_gray(), image.gray); }
 
 bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
                             const ImageTiming& timing) const {
   return IsRepeated(options_.repeats, options_.alignment, map,
-                    {.first = sampled_ ? sampled_->gray : last_image_.gray,
+                    {.first = latest_gray(),
                      .tracks = sampled_ ? sampled_->tracks : tracks_,
                      .second = image.gray,
                      .predicted_from_world = predicted,

@@ -74,6 +74,9 @@ class FrameTracker {
   /// What was found in the latest image: there, possibly a sample.
   const std::vector<FeatureTrack>& found() const { return sampled_ ? sampled_->tracks : tracks_; }
 
+  /// The latest image that was tracked, 8-bit gray.
+  const cv::Mat& latest_gray() const { return sampled_ ? sampled_->gray : last_image_.gray; }
+
   /// Ends the tracks of landmarks.
   void Drop(const std::vector<int>& landmarks);
 

@@ -8,6 +8,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/image_tracking.h"
 #include "turnscale/odometry/repeated_image.h"
@@ -73,6 +74,19 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
     from_speed = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
   }
   return Combine(from_depth, from_speed);
+}
+
+RigidTransform PredictStart(const MotionModel& motion, const InitialMap& start,
+                            const std::optional<Eigen::Quaterniond>& first_from_last) {
+  const double time = start.frames.front().time;
+  const auto turn = [&](const Eigen::Quaterniond& rotation) {
+    return motion.vertical().dot(VectorFromRotation(rotation));
+  };
+  if (!first_from_last)
+    return motion.PredictTurningAt(time, turn(start.second_from_first.rotation) / (start.frames.back().time - time));
+  const Eigen::Vector3d centre = motion.PredictTurn(time, turn(*first_from_last)).inverse().translation;
+  const Eigen::Quaterniond rotation = *first_from_last * motion.last().rotation;
+  return {rotation, -(rotation * centre)};
 }
 
 AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) {

@@ -19,6 +19,11 @@ namespace turnscale {
 UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const MotionModel& motion,
                        const InitialMap& start);
 
+/// Predicted pose of the first view of a start after a gap. `first_from_last`: the camera's rotation since the last
+/// pose before the gap, where the images show it; else it follows from the turning rates before and after the gap.
+RigidTransform PredictStart(const MotionModel& motion, const InitialMap& start,
+                            const std::optional<Eigen::Quaterniond>& first_from_last);
+
 /// Where a start is put in the map.
 struct StartPlace {
   RigidTransform first_from_world;  ///< of its first view

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_start.h"
 
+#include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -134,6 +136,26 @@ TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
   EXPECT_LT(faster.unit, 1.9);
   EXPECT_GT(faster.unit, 2.0 / 3);
   EXPECT_GT(faster.sigma, both.sigma);
+}
+
+TEST(MapStart, AfterAGapTheCarHasTurnedAsImagesOrRatesShow) {
+  Start start = GoingAhead(7, 2, 10);
+  MotionModel motion;
+  motion.Update(5, RigidTransform{});
+  motion.Update(5.1, {Eigen::Quaterniond::Identity(), {0, 0, -0.2}});
+  const auto turn_of = [](const RigidTransform& pose) { return VectorFromRotation(pose.rotation).y(); };
+  EXPECT_NEAR(turn_of(PredictStart(motion, start.map, std::nullopt)), 0, 1e-9);
+
+  start.map.second_from_first.rotation = RotationFromVector({0, -0.15, 0});  // in 0.3 s
+  const RigidTransform by_rates = PredictStart(motion, start.map, std::nullopt);
+  EXPECT_LT(turn_of(by_rates), -0.3);
+  EXPECT_GT(turn_of(by_rates), -0.5);
+
+  const Eigen::Quaterniond measured = RotationFromVector({0.02, -0.6, 0});
+  const RigidTransform by_images = PredictStart(motion, start.map, measured);
+  EXPECT_LT(RotationAngle(by_images.rotation.conjugate() * measured), 1e-9);
+  const Eigen::Vector3d centre = by_images.inverse().translation;
+  EXPECT_NEAR(std::atan2(centre.x(), centre.z()), 0.3, 0.1) << "half-way between the directions at both ends";
 }
 
 }  // namespace

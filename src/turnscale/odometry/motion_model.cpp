@@ -105,6 +105,17 @@ RigidTransform MotionModel::PredictOtherwise(double time, double turn, double sp
   return Extrapolate(step, time - last_measured_time_);
 }
 
+RigidTransform MotionModel::PredictTurn(double time, double turn) const {
+  const Eigen::Quaterniond expected = Predict(time).rotation * camera_from_world_.rotation.conjugate();
+  return PredictOtherwise(time, turn - vertical_.dot(VectorFromRotation(expected)), 1);
+}
+
+RigidTransform MotionModel::PredictTurningAt(double time, double rate) const {
+  if (!step_) return camera_from_world_;
+  const double seconds = Effective(options_.steady_seconds, options_.turn_seconds, 0.5 * (time - last_measured_time_));
+  return PredictTurn(time, seconds * (vertical_.dot(step_->mean.turn) + rate));
+}
+
 void MotionModel::Update(double time, const RigidTransform& camera_from_world, bool after_repeats) {
   if (started_ && time > last_measured_time_) {
     Step step{camera_from_world * camera_from_world_.inverse(), time - last_measured_time_, {}};

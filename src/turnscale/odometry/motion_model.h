@@ -67,6 +67,17 @@ class MotionModel {
   /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
   RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
 
+  /// Pose at `time` if the car turns by `turn` radians about its vertical until then, as the last step did: positive
+  /// about vertical().
+  RigidTransform PredictTurn(double time, double turn) const;
+
+  /// Pose at `time` if the car then turns at `rate`, rad/s about vertical(): the present rate and that one each go on
+  /// to the middle of the time between, and decay towards it.
+  RigidTransform PredictTurningAt(double time, double rate) const;
+
+  /// The car's vertical as SetVertical has it.
+  const Eigen::Vector3d& vertical() const { return vertical_; }
+
   /// Takes a measured pose; the velocity is the one from the measured pose before. `after_repeats`: the images between
   /// the two showed once more what the first one does.
   void Update(double time, const RigidTransform& camera_from_world, bool after_repeats = false);

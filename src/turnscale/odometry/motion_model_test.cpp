@@ -160,6 +160,23 @@ TEST(MotionModel, PredictsOtherTurnsAndSpeeds) {
   EXPECT_NEAR(travelled(0.5), 0.5 * travelled(1), 1e-9);
 }
 
+TEST(MotionModel, PredictsATurnOfAGivenAngleOrRate) {
+  MotionModel motion;
+  ExpectNear(motion.PredictTurn(1, 0.2), motion.last());
+  ExpectNear(motion.PredictTurningAt(1, 0.2), motion.last());
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, {RotationFromVector({0, -0.02, 0}) * kStart.rotation, kStart.translation});
+  const auto turn_of = [&](const RigidTransform& pose) {
+    return VectorFromRotation((pose * motion.last().inverse()).rotation).y();
+  };
+  for (const double turn : {-0.5, 0.0, 0.4}) EXPECT_NEAR(turn_of(motion.PredictTurn(3.1, turn)), turn, 1e-9);
+  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, -0.2)), -0.8 * 0.2, 1e-9) << "the rate stays";
+  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, 0)), -0.4 * 0.2, 1e-9) << "the turn ends half-way";
+  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, 0.2)), 0, 1e-9) << "an S";
+  EXPECT_LT(turn_of(motion.PredictTurningAt(6.1, 0)), -0.5 * 0.2);
+  EXPECT_GT(turn_of(motion.PredictTurningAt(6.1, 0)), -2.0 * 0.2) << "a turn ends";
+}
+
 constexpr size_t kTurningRates = 4;
 
 TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {

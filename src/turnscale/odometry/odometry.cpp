@@ -20,6 +20,7 @@
 #include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/drive_steps.h"
+#include "turnscale/odometry/gap_rotation.h"
 #include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
 #include "turnscale/odometry/refined_drive.h"
@@ -87,7 +88,10 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
     return MetricResult(result, predicted);
   }
   const TrackedFrame tracked = Track(image, predicted, result);
-  if (!tracked.camera_from_world) return Bridge(predicted, result);
+  if (!tracked.camera_from_world) {
+    if (lost_frames_ == 0) first_lost_ = image.gray;
+    return Bridge(predicted, result);
+  }
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
   const std::optional<MeasuredHeight> height = ExtendMap(image, result);
@@ -174,7 +178,10 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   StartPlace place;
   place.after_gap = continues;
   if (continues) {
-    place.first_from_world = motion_.Predict(start.frames.front().time);
+    const GapImages images = {tracker_.latest_gray(), first_lost_, start.first_image};
+    const std::optional<Eigen::Quaterniond> rotation = RotationAcrossGap(
+        options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current().vehicle_from_camera);
+    place.first_from_world = PredictStart(motion_, start, rotation);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
   const AddedStart added = AddStart(start, place, map_);

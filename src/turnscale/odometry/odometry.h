@@ -175,6 +175,7 @@ class Odometry {
 
   double last_seen_time_ = 0;   ///< of the last frame that was tracked or repeated, seconds
   int lost_frames_ = 0;         ///< consecutive, up to now
+  cv::Mat first_lost_;          ///< gray image, the first that was not tracked since the last that was
   bool after_repeats_ = false;  ///< images since the last tracked one repeat it
   /// Of the latest image with the pixels of the last tracked one, seconds.
   double last_same_time_ = -std::numeric_limits<double>::infinity();

@@ -91,6 +91,7 @@ void OdometryOptions::Check() const {
   CheckPart("tracking.", tracking);
   CheckPart("motion.", motion);
   CheckPart("repeats.", repeats);
+  CheckPart("gap_rotation.", gap_rotation);
   CheckPart("static_regions.", static_regions);
   CheckPart("road.", road);
   CheckPart("steps.", steps);

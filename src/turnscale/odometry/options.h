@@ -18,6 +18,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/mapping/two_view_initialization.h"
+#include "turnscale/odometry/gap_rotation.h"
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/repeated_image.h"
@@ -164,6 +165,7 @@ struct OdometryOptions {
   TrackingOptions tracking;
   MotionModelOptions motion;
   RepeatOptions repeats;
+  GapRotationOptions gap_rotation;
   StaticRegionOptions static_regions;
   RoadObserverOptions road;
   VehicleStepOptions steps;

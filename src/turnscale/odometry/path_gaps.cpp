@@ -52,6 +52,16 @@ struct GapSides {
   }
 };
 
+// The way across a gap, of which a `share` is driven as after it. Its direction is that of the prediction, which has the
+// turn in the gap. A car that starts after it goes as it does then.
+Eigen::Vector3d WayAcross(const Eigen::Vector3d& predicted, const Eigen::Vector3d& as_after, double share) {
+  constexpr double kStands = 0.05;
+  const double length = predicted.norm();
+  if (length <= kStands * as_after.norm()) return (1 - share) * predicted + share * as_after;
+  const double as_after_length = std::copysign(as_after.norm(), as_after.dot(predicted));
+  return ((1 - share) + share * as_after_length / length) * predicted;
+}
+
 }  // namespace
 
 double GapLengthSigma(double seconds, bool both_ends) {
@@ -72,7 +82,7 @@ void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end
         const double sigma_after = refined.keyframes[k].sigma;
         const GapSides sides{seconds, Excess(sigma_before, sigma_after) * predicted.squaredNorm(),
                              Excess(sigma_after, sigma_before) * (seconds * *after).squaredNorm()};
-        shift += sides.ShareOfAfter() * (seconds * *after - predicted);
+        shift += WayAcross(predicted, seconds * *after, sides.ShareOfAfter()) - predicted;
         variance += sides.LengthVariance();
       } else {
         variance += std::pow(GapLengthSigma(seconds, false), 2);

@@ -14,8 +14,9 @@ namespace turnscale {
 /// time squared, at most 10 m/s times the time, from KITTI's ground truth for 0.5 to 10 s (22,000 frames).
 double GapLengthSigma(double seconds, bool both_ends);
 
-/// The map predicts the motion across a loss of tracking from the speed before it. Replaces it by the mean of that and
-/// of the motion at the speed after it, now that this is known; the side whose scale is known better counts for more.
+/// The map predicts the motion across a loss of tracking from the speed before it. Makes its length the mean of that
+/// and of the length at the speed after it, now that this is known; the side whose scale is known better counts for
+/// more.
 /// `ends`: FrameHistory::MeasuredEnds. Sets the standard deviation of the path's length up to `end_time` (seconds) due
 /// to all gaps.
 void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined);

@@ -69,6 +69,20 @@ TEST(BridgeGaps, ACarThatReversesHasHardlyMoved) {
   EXPECT_NEAR(drive.GapLength(), 0, 1e-9);
 }
 
+TEST(BridgeGaps, ATurnInTheGapStays) {
+  Drive drive(5);
+  // To the right by 0.6 rad, of which the way across the gap has seen half.
+  const Eigen::AngleAxisd half(0.3, Eigen::Vector3d::UnitY());
+  std::vector<Eigen::Vector3d>& centres = drive.refined.path.centres;
+  const std::vector<Eigen::Vector3d> straight = centres;
+  const Eigen::Vector3d& start = straight[kFirstAfter - 1];
+  const Eigen::Vector3d way = half * (straight[kFirstAfter] - start);
+  for (size_t k = kFirstAfter; k < centres.size(); ++k)
+    centres[k] = start + way + half * half * (straight[k] - straight[kFirstAfter]);
+  drive.Bridge();
+  EXPECT_LT((centres[kFirstAfter] - start - way).norm(), 1e-9);
+}
+
 TEST(BridgeGaps, OnlyWhatIsNotMeasuredIsInterpolated) {
   Drive drive(0);
   // The frames after the last keyframe are tracked for another second.

@@ -281,6 +281,17 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("speed_sigma_per_second", o.speed_sigma_per_second);
     visitor.Field("acceleration_in_depths", o.acceleration_in_depths);
   });
+  visitor.Group("gap_rotation", [&] {
+    auto& o = options.gap_rotation;
+    visitor.Field("max_keypoints", o.keypoints.max_keypoints);
+    visitor.Field("min_contrast", o.keypoints.min_contrast);
+    visitor.Field("max_distance_ratio", o.keypoints.max_distance_ratio);
+    visitor.Field("max_epipolar_error", o.max_epipolar_error);
+    visitor.Field("min_matches", o.min_matches);
+    visitor.Field("min_match_share", o.min_match_share);
+    visitor.Field("max_tilt_deg", o.max_tilt_deg);
+    visitor.Field("max_direction_error_deg", o.max_direction_error_deg);
+  });
   visitor.Group("repeats", [&] {
     auto& o = options.repeats;
     visitor.Field("min_expected_motion", o.min_expected_motion);
