@@ -10,7 +10,8 @@ namespace turnscale {
 struct KeypointOptions {
   /// Strongest keypoints of an image that are described.
   int max_keypoints = 4000;
-  /// Least contrast of a keypoint, as a share of the full range: half of SIFT's usual one, for images of little texture.
+  /// Least contrast of a keypoint, as a share of the full range: half of SIFT's usual one, for images of little
+  /// texture.
   double min_contrast = 0.02;
   /// Largest distance of the descriptors of a match, as a share of that of the second best match.
   double max_distance_ratio = 0.8;

@@ -29,6 +29,8 @@ struct Keyframe {
   bool after_gap = false;
   /// Relative standard deviation by which the unit of length may have changed across that gap; 0 where there was none.
   double gap_sigma = 0;
+  /// Standard deviation of the angle by which the camera has turned across that gap, rad; 0 where there was none.
+  double gap_turn_sigma = 0;
   /// Variance of the logarithm of the unit of length from the previous keyframe to this one for independent pixel
   /// errors (UnitVariance), infinite if no landmark connects them; 0 while it is not known, as near the end of the map.
   double pixel_unit_variance = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_start.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/image_tracking.h"
+#include "turnscale/odometry/path_gaps.h"
 #include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
@@ -76,17 +78,21 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   return Combine(from_depth, from_speed);
 }
 
-RigidTransform PredictStart(const MotionModel& motion, const InitialMap& start,
+PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
                             const std::optional<Eigen::Quaterniond>& first_from_last) {
+  constexpr double kMeasuredSigma = 0.5 / kDegreesPerRadian;
   const double time = start.frames.front().time;
   const auto turn = [&](const Eigen::Quaterniond& rotation) {
     return motion.vertical().dot(VectorFromRotation(rotation));
   };
-  if (!first_from_last)
-    return motion.PredictTurningAt(time, turn(start.second_from_first.rotation) / (start.frames.back().time - time));
+  if (!first_from_last) {
+    const double rate = turn(start.second_from_first.rotation) / (start.frames.back().time - time);
+    const double larger_rate = std::max(std::abs(rate), std::abs(motion.turning_rate()));
+    return {motion.PredictTurningAt(time, rate), GapTurnSigma(time - motion.last_measured_time(), larger_rate)};
+  }
   const Eigen::Vector3d centre = motion.PredictTurn(time, turn(*first_from_last)).inverse().translation;
   const Eigen::Quaterniond rotation = *first_from_last * motion.last().rotation;
-  return {rotation, -(rotation * centre)};
+  return {{rotation, -(rotation * centre)}, kMeasuredSigma};
 }
 
 AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) {
@@ -101,15 +107,16 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
       .keyframe = CountKeyframes(map), .first_landmark = static_cast<int>(map.landmarks.size()), .tracks = {}};
   map.keyframes.push_back({.frame = first.frame,
                            .time = first.time,
-                           .camera_from_world = place.first_from_world,
+                           .camera_from_world = place.predicted.first_from_world,
                            .observations = {},
                            .after_gap = place.after_gap,
-                           .gap_sigma = place.unit.sigma});
+                           .gap_sigma = place.unit.sigma,
+                           .gap_turn_sigma = place.predicted.turn_sigma});
   map.keyframes.push_back({.frame = second.frame,
                            .time = second.time,
-                           .camera_from_world = second_from_first * place.first_from_world,
+                           .camera_from_world = second_from_first * place.predicted.first_from_world,
                            .observations = {}});
-  const RigidTransform world_from_first = place.first_from_world.inverse();
+  const RigidTransform world_from_first = place.predicted.first_from_world.inverse();
   for (std::size_t i = 0; i < first.features.size(); ++i) {
     map.landmarks.push_back({world_from_first * (unit * start.points[i]), start.has_point[i] != 0, {}});
     AddObservation(map, added.keyframe, added.first_landmark + static_cast<int>(i), first.pixels[i]);

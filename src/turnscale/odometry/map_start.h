@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
@@ -19,16 +22,21 @@ namespace turnscale {
 UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const MotionModel& motion,
                        const InitialMap& start);
 
-/// Predicted pose of the first view of a start after a gap. `first_from_last`: the camera's rotation since the last
-/// pose before the gap, where the images show it; else it follows from the turning rates before and after the gap.
-RigidTransform PredictStart(const MotionModel& motion, const InitialMap& start,
+struct PredictedStart {
+  RigidTransform first_from_world;  ///< of the first view
+  double turn_sigma = 0;            ///< standard deviation of the angle turned since the last pose, rad
+};
+
+/// Predicts the pose of a start after a gap. `first_from_last`: the camera's rotation since the last pose before the
+/// gap, where the images show it; else it follows from the turning rates before and after the gap.
+PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
                             const std::optional<Eigen::Quaterniond>& first_from_last);
 
 /// Where a start is put in the map.
 struct StartPlace {
-  RigidTransform first_from_world;  ///< of its first view
-  UnitGuess unit{1, 0};             ///< its unit of length in that of the map
-  bool after_gap = false;           ///< the map has keyframes from before
+  PredictedStart predicted;
+  UnitGuess unit{1, 0};    ///< its unit of length in that of the map
+  bool after_gap = false;  ///< the map has keyframes from before
 };
 
 /// What a start has become in the map.

@@ -66,12 +66,13 @@ TEST(MapStart, IsAddedWithItsUnit) {
   EXPECT_FALSE(map.keyframes[0].after_gap);
   EXPECT_EQ(map.keyframes[0].gap_sigma, 0);
   const RigidTransform place{RotationFromVector({0, 0.3, 0}), {1, 0, 2}};
-  const AddedStart added = AddStart(start.map, {place, {3, 0.2}, true}, map);
+  const AddedStart added = AddStart(start.map, {{place, 0.1}, {3, 0.2}, true}, map);
   EXPECT_EQ(added.keyframe, 2);
   EXPECT_EQ(added.first_landmark, static_cast<int>(start.map.points.size()));
   ASSERT_EQ(map.keyframes.size(), 4U);
   EXPECT_TRUE(map.keyframes[2].after_gap);
   EXPECT_EQ(map.keyframes[2].gap_sigma, 0.2);
+  EXPECT_EQ(map.keyframes[2].gap_turn_sigma, 0.1);
   EXPECT_FALSE(map.keyframes[3].after_gap);
   EXPECT_NEAR((Centre(map.keyframes[3]) - Centre(map.keyframes[2])).norm(), 3 * 0.6, 1e-12);
   ASSERT_EQ(added.tracks.size(), start.map.points.size());
@@ -144,18 +145,20 @@ TEST(MapStart, AfterAGapTheCarHasTurnedAsImagesOrRatesShow) {
   motion.Update(5, RigidTransform{});
   motion.Update(5.1, {Eigen::Quaterniond::Identity(), {0, 0, -0.2}});
   const auto turn_of = [](const RigidTransform& pose) { return VectorFromRotation(pose.rotation).y(); };
-  EXPECT_NEAR(turn_of(PredictStart(motion, start.map, std::nullopt)), 0, 1e-9);
+  EXPECT_NEAR(turn_of(PredictStart(motion, start.map, std::nullopt).first_from_world), 0, 1e-9);
 
   start.map.second_from_first.rotation = RotationFromVector({0, -0.15, 0});  // in 0.3 s
-  const RigidTransform by_rates = PredictStart(motion, start.map, std::nullopt);
+  const RigidTransform by_rates = PredictStart(motion, start.map, std::nullopt).first_from_world;
   EXPECT_LT(turn_of(by_rates), -0.3);
   EXPECT_GT(turn_of(by_rates), -0.5);
 
   const Eigen::Quaterniond measured = RotationFromVector({0.02, -0.6, 0});
-  const RigidTransform by_images = PredictStart(motion, start.map, measured);
+  const RigidTransform by_images = PredictStart(motion, start.map, measured).first_from_world;
   EXPECT_LT(RotationAngle(by_images.rotation.conjugate() * measured), 1e-9);
   const Eigen::Vector3d centre = by_images.inverse().translation;
   EXPECT_NEAR(std::atan2(centre.x(), centre.z()), 0.3, 0.1) << "half-way between the directions at both ends";
+  EXPECT_LT(PredictStart(motion, start.map, measured).turn_sigma,
+            0.1 * PredictStart(motion, start.map, std::nullopt).turn_sigma);
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ RigidTransform MotionModel::PredictTurn(double time, double turn) const {
 RigidTransform MotionModel::PredictTurningAt(double time, double rate) const {
   if (!step_) return camera_from_world_;
   const double seconds = Effective(options_.steady_seconds, options_.turn_seconds, 0.5 * (time - last_measured_time_));
-  return PredictTurn(time, seconds * (vertical_.dot(step_->mean.turn) + rate));
+  return PredictTurn(time, seconds * (turning_rate() + rate));
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world, bool after_repeats) {

@@ -78,6 +78,9 @@ class MotionModel {
   /// The car's vertical as SetVertical has it.
   const Eigen::Vector3d& vertical() const { return vertical_; }
 
+  /// Over the last fifth of a second at least, rad/s about vertical(); 0 before two poses are known.
+  double turning_rate() const { return step_ ? vertical_.dot(step_->mean.turn) : 0.0; }
+
   /// Takes a measured pose; the velocity is the one from the measured pose before. `after_repeats`: the images between
   /// the two showed once more what the first one does.
   void Update(double time, const RigidTransform& camera_from_world, bool after_repeats = false);

@@ -181,7 +181,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     const GapImages images = {tracker_.latest_gray(), first_lost_, start.first_image};
     const std::optional<Eigen::Quaterniond> rotation = RotationAcrossGap(
         options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current().vehicle_from_camera);
-    place.first_from_world = PredictStart(motion_, start, rotation);
+    place.predicted = PredictStart(motion_, start, rotation);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
   const AddedStart added = AddStart(start, place, map_);

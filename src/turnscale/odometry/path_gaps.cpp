@@ -52,8 +52,8 @@ struct GapSides {
   }
 };
 
-// The way across a gap, of which a `share` is driven as after it. Its direction is that of the prediction, which has the
-// turn in the gap. A car that starts after it goes as it does then.
+// The way across a gap, of which a `share` is driven as after it. Its direction is that of the prediction, which has
+// the turn in the gap. A car that starts after it goes as it does then.
 Eigen::Vector3d WayAcross(const Eigen::Vector3d& predicted, const Eigen::Vector3d& as_after, double share) {
   constexpr double kStands = 0.05;
   const double length = predicted.norm();
@@ -66,6 +66,13 @@ Eigen::Vector3d WayAcross(const Eigen::Vector3d& predicted, const Eigen::Vector3
 
 double GapLengthSigma(double seconds, bool both_ends) {
   return seconds * std::min((both_ends ? kInterpolated : kExtrapolated) * seconds, kMostSpeedSigma);
+}
+
+double GapTurnSigma(double seconds, double rate) {
+  constexpr double kOnStraights = 0.01;  // rad/s^2
+  constexpr double kInTurns = 0.11;      // of the rate, 1/s^2
+  constexpr double kMost = 0.75;         // rad
+  return std::min(seconds * seconds * std::hypot(kOnStraights, kInTurns * rate), kMost);
 }
 
 void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined) {

@@ -35,7 +35,8 @@ MountSummary MountOf(const Odometry& odometry) {
 std::vector<MapRestart> RestartsOf(const Map& map) {
   std::vector<MapRestart> restarts;
   for (const Keyframe& keyframe : map.keyframes)
-    if (keyframe.after_gap) restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma});
+    if (keyframe.after_gap)
+      restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma, keyframe.gap_turn_sigma});
   return restarts;
 }
 

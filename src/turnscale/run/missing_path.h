@@ -32,6 +32,7 @@ struct MapRestart {
   int frame = 0;          ///< the new map's first
   double time = 0;        ///< of it, seconds
   double unit_sigma = 0;  ///< relative standard deviation of its unit of length from that before
+  double turn_sigma = 0;  ///< standard deviation of the angle by which the car has turned since the map before, rad
 };
 
 /// All missing parts, in the order of time.

@@ -183,6 +183,31 @@ std::string BeginningWarning(const UnmappedBeginning& beginning, const RunSummar
   return warning;
 }
 
+// Gaps in which the car may have turned by another angle than the path has; empty if there are none.
+std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double first_time) {
+  constexpr double kLeast = 10 / kDegreesPerRadian;
+  const auto is_uncertain = [](const MapRestart& restart) { return restart.turn_sigma > kLeast; };
+  const auto count = std::ranges::count_if(restarts, is_uncertain);
+  if (count == 0) return "";
+  const MapRestart& worst = *std::ranges::max_element(restarts, {}, &MapRestart::turn_sigma);
+  return fmt::format(
+      "the direction of travel after {} is only known to about +-{:.0f} deg, as the images before and after it have "
+      "too "
+      "little in common: the path that follows may be turned by that",
+      count == 1 ? fmt::format("the gap that ends at {:.1f} s", worst.time - first_time)
+                 : fmt::format("{} gaps (most of all the one that ends at {:.1f} s)", count, worst.time - first_time),
+      InDegrees(worst.turn_sigma));
+}
+
+// A wrong calibration distorts a turn where it begins, which looks like a turn of the camera.
+std::string DoubtfulKnocksWarning(const DriveFacts& drive, const RefinedScale& scale) {
+  if (drive.mount.jumps.empty() || scale.contradicted_calibration.empty()) return "";
+  return fmt::format(
+      "the turn{} of the camera on the car may come from the calibration, which the images contradict: "
+      "correct it first",
+      drive.mount.jumps.size() == 1 ? "" : "s");
+}
+
 // The parts of the path that are doubtful.
 std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vector<FrameResult>& frames) {
   const DriveFacts& drive = summary.drive;
@@ -192,6 +217,7 @@ std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vect
   std::vector<double> seams;
   for (const ClipPart& clip : drive.ending.clips) seams.push_back(clip.start);
   warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, seams), first_time));
+  warnings.push_back(UnknownTurnWarning(drive.restarts, first_time));
   warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
   if (path.uncertain) warnings.push_back(UncertainScaleText(SinceFirst(*path.uncertain, first_time), path.distance));
   if (drive.given.pose_frame == "vehicle" && !summary.scale.is_metric())
@@ -217,6 +243,7 @@ std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vecto
   };
   if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
   add_all(WarningsOfImages(drive, scale));
+  add(DoubtfulKnocksWarning(drive, scale));
   add(TurnsWarning(scale));
   add(MethodWarning(drive.method, scale));
   add_all(CarWarnings(drive, summary.car, scale));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/run_warnings.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -178,6 +179,31 @@ TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   EXPECT_NE(warnings(seam, 0)[0].find("where a.mp4 ends and b.mp4 begins"), std::string::npos);
   EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
   EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
+}
+
+TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
+  DriveFacts drive;
+  drive.given.first_time = 100;
+  drive.restarts = {{.frame = 20, .time = 103, .turn_sigma = 0.01}, {.frame = 90, .time = 112.5, .turn_sigma = 0.35}};
+  const std::vector<FrameResult> frames = PathFrames(8, 1);
+  const std::vector<std::string> warnings = SummaryOf(drive, frames, {}).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("the gap that ends at 12.5 s is only known to about +-20 deg"), std::string::npos)
+      << warnings[0];
+  drive.restarts[1].turn_sigma = 0.1;
+  EXPECT_TRUE(SummaryOf(drive, frames, {}).warnings.empty());
+}
+
+TEST(RunWarnings, DoubtsAKnockWhereTheCalibrationIsWrong) {
+  DriveFacts drive;
+  drive.mount.jumps.resize(1);
+  RefinedScale scale;
+  EXPECT_TRUE(SummaryOf(drive, PathFrames(5, 1), scale).warnings.empty());
+  scale.contradicted_calibration = {{IntrinsicsParameter::kFocalLength, 500, 600, 10}};
+  const std::vector<std::string> warnings = SummaryOf(drive, PathFrames(5, 1), scale).warnings;
+  EXPECT_TRUE(std::ranges::any_of(warnings, [](const std::string& warning) {
+    return warning.starts_with("the turn of the camera on the car may come from the calibration");
+  }));
 }
 
 }  // namespace

@@ -49,7 +49,10 @@ nlohmann::ordered_json MissingJson(const PathSummary& path, const std::vector<Ma
   }
   auto restarts = nlohmann::ordered_json::array();
   for (const MapRestart& restart : starts)
-    restarts.push_back({{"frame", restart.frame}, {"time_s", restart.time}, {"unit_sigma", restart.unit_sigma}});
+    restarts.push_back({{"frame", restart.frame},
+                        {"time_s", restart.time},
+                        {"unit_sigma", restart.unit_sigma},
+                        {"turn_sigma_deg", InDegrees(restart.turn_sigma)}});
   return {{"seconds", TotalSeconds(path.missing)},
           {"of_s", path.seconds},
           {"distance_m", is_metric ? nlohmann::ordered_json(path.missing_distance) : nullptr},
