@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
@@ -17,9 +20,22 @@ struct EssentialMotion {
 };
 
 /// Five-point essential matrix with RANSAC, and the one of its four motions that puts most points in front of both
-/// cameras. `first`, `second`: rays of the matches, at depth 1. A match agrees if it is at most `max_error` from its
-/// epipolar line, in the plane at depth 1. Needs five matches.
-EssentialMotion FindEssentialMotion(const std::vector<Eigen::Vector3d>& first,
-                                    const std::vector<Eigen::Vector3d>& second, double max_error);
+/// cameras. `first`, `second`: undistorted pixels of the matches, of which there have to be five. A match agrees if it
+/// is at most `max_error` pixels from its epipolar line.
+EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& first,
+                                    const std::vector<Eigen::Vector2d>& second, double max_error);
+
+/// Motion between two views and what they show, adjusted together.
+struct TwoViewGeometry {
+  RigidTransform second_from_first;  ///< in a unit of length of its own
+  std::vector<std::size_t> match_of_point;
+  std::vector<Eigen::Vector3d> points;  ///< in the first camera, in that unit
+};
+
+/// Triangulates the inliers of a motion, and adjusts points and motion to the undistorted pixels (two-view bundle
+/// adjustment). Empty where that fails, or no point can be triangulated.
+std::optional<TwoViewGeometry> AdjustTwoViews(const Pinhole& pinhole, const EssentialMotion& motion,
+                                              const std::vector<Eigen::Vector2d>& first,
+                                              const std::vector<Eigen::Vector2d>& second);
 
 }  // namespace turnscale

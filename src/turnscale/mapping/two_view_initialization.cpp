@@ -2,13 +2,12 @@
 #include "turnscale/mapping/two_view_initialization.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
-#include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/triangulation.h"
 #include "turnscale/mapping/essential_motion.h"
@@ -68,49 +67,18 @@ double LandmarksNeeded(const TwoViewOptions& options, const Pinhole& pinhole, do
   return std::clamp<double>(share * static_cast<double>(matches), options.fewest_landmarks, options.min_landmarks);
 }
 
-// The matches that agree with a motion as points between two views, the first of which is held.
-struct TwoViewBundle {
-  BundleProblem problem;
-  std::vector<size_t> match_of_point;
-};
-
-TwoViewBundle Triangulated(const Pinhole& pinhole, const EssentialMotion& motion,
-                           const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
-                           const std::vector<Eigen::Vector3d>& first_rays,
-                           const std::vector<Eigen::Vector3d>& second_rays) {
-  TwoViewBundle bundle;
-  BundleProblem& problem = bundle.problem;
-  problem.pinhole = pinhole;
-  problem.camera_from_world = {RigidTransform{}, motion.second_from_first};
-  problem.camera_is_fixed = {1, 0};
-  for (size_t i = 0; i < first.size(); ++i) {
-    if (motion.inlier[i] == 0) continue;
-    const std::array<CameraRay, 2> rays = {CameraRay{problem.camera_from_world[0], first_rays[i]},
-                                           CameraRay{problem.camera_from_world[1], second_rays[i]}};
-    const std::optional<Eigen::Vector3d> x = Triangulate(rays);
-    if (!x) continue;
-    const int point = static_cast<int>(problem.points.size());
-    problem.points.push_back(*x);
-    problem.observations.push_back({0, point, first[i], 1.0});
-    problem.observations.push_back({1, point, second[i], 1.0});
-    bundle.match_of_point.push_back(i);
-  }
-  return bundle;
-}
-
-// Motion and landmarks of an adjusted bundle, and how many landmarks there are. The bundle leaves the unit open; the
-// baseline defines it.
-int TakeLandmarks(const TwoViewOptions& options, const TwoViewBundle& bundle, const std::vector<Eigen::Vector2d>& first,
-                  const std::vector<Eigen::Vector2d>& second, TwoViewResult& result) {
-  const Pinhole& pinhole = bundle.problem.pinhole;
-  result.second_from_first = bundle.problem.camera_from_world[1];
+// Takes the motion and the landmarks, and returns how many landmarks there are. The baseline defines the unit.
+int TakeLandmarks(const TwoViewOptions& options, const Pinhole& pinhole, const TwoViewGeometry& geometry,
+                  const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
+                  TwoViewResult& result) {
+  result.second_from_first = geometry.second_from_first;
   result.triangulated.assign(first.size(), 0);
   result.points.assign(first.size(), Eigen::Vector3d::Zero());
   const double unit = options.initial_baseline / result.second_from_first.translation.norm();
   int landmarks = 0;
-  for (size_t k = 0; k < bundle.match_of_point.size(); ++k) {
-    const size_t i = bundle.match_of_point[k];
-    const Eigen::Vector3d& x = bundle.problem.points[k];
+  for (size_t k = 0; k < geometry.match_of_point.size(); ++k) {
+    const size_t i = geometry.match_of_point[k];
+    const Eigen::Vector3d& x = geometry.points[k];
     const double angle = ParallaxAngle(RigidTransform{}, result.second_from_first, x);
     if (angle * kDegreesPerRadian < options.min_landmark_parallax_deg) continue;
     if (ReprojectionError(pinhole, RigidTransform{}, x, first[i]) > options.max_epipolar_error) continue;
@@ -160,19 +128,17 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
-  const EssentialMotion motion = FindEssentialMotion(first_rays, second_rays, options.max_epipolar_error / pinhole.fx);
+  const EssentialMotion motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error);
   if (motion.inlier.empty()) return result;
 
-  TwoViewBundle bundle = Triangulated(pinhole, motion, first, second, first_rays, second_rays);
   // Where most features are far away, too few of those that agree are near enough for a depth.
   const int agreeing = near_have_gone
                            ? motion.agreeing
                            : static_cast<int>(std::ranges::count_if(motion.inlier, [](char c) { return c != 0; }));
   if (agreeing < options.min_inlier_share * static_cast<double>(first.size())) return result;
-  if (bundle.problem.points.empty()) return result;
-  BundleOptions bundle_options;
-  if (!TryAdjustBundle(bundle_options, bundle.problem)) return result;
-  const int landmarks = TakeLandmarks(options, bundle, first, second, result);
+  const std::optional<TwoViewGeometry> geometry = AdjustTwoViews(pinhole, motion, first, second);
+  if (!geometry) return result;
+  const int landmarks = TakeLandmarks(options, pinhole, *geometry, first, second, result);
   if (landmarks >= LandmarksNeeded(options, pinhole, result.parallax, first.size()))
     result.status = TwoViewStatus::kInitialized;
   return result;

@@ -34,22 +34,24 @@ bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& seco
 std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& options, const CameraModel& camera,
                                                   const cv::Mat& before, const cv::Mat& after, const cv::Mat& mask,
                                                   const Eigen::Quaterniond& vehicle_from_camera) {
-  std::vector<Eigen::Vector3d> first;
-  std::vector<Eigen::Vector3d> second;
+  std::vector<Eigen::Vector2d> first;
+  std::vector<Eigen::Vector2d> second;
   for (const KeypointMatch& match : MatchKeypoints(options.keypoints, before, after, mask)) {
     const std::optional<Eigen::Vector2d> a = camera.Undistort({match.first.x, match.first.y});
     const std::optional<Eigen::Vector2d> b = camera.Undistort({match.second.x, match.second.y});
     if (!a || !b) continue;
-    first.push_back(camera.pinhole.Ray(*a));
-    second.push_back(camera.pinhole.Ray(*b));
+    first.push_back(*a);
+    second.push_back(*b);
   }
+  const Pinhole& pinhole = camera.pinhole;
   const auto count = static_cast<int>(first.size());
   if (count < options.min_matches) return std::nullopt;
-  const EssentialMotion motion = FindEssentialMotion(first, second, options.max_epipolar_error / camera.pinhole.fx);
+  const EssentialMotion motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error);
   const auto agreeing = static_cast<int>(std::ranges::count(motion.inlier, 1));
   if (agreeing < options.min_matches || agreeing < options.min_match_share * count) return std::nullopt;
   if (!IsMotionOfCar(options, motion.second_from_first, vehicle_from_camera)) return std::nullopt;
-  return motion.second_from_first.rotation;
+  const std::optional<TwoViewGeometry> adjusted = AdjustTwoViews(pinhole, motion, first, second);
+  return (adjusted ? adjusted->second_from_first : motion.second_from_first).rotation;
 }
 
 }  // namespace

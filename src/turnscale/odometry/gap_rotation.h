@@ -40,8 +40,7 @@ struct GapImages {
 };
 
 /// Rotation of the camera across a gap, from `before` to `after`, by keypoints that both show, or else by way of
-/// `lost`. Empty where they do not have enough in common. `mask`: as ImageMask::pixels. `vertical`: the car's, in
-/// camera axes.
+/// `lost`. Empty where they do not have enough in common. `mask`: as ImageMask::pixels.
 std::optional<Eigen::Quaterniond> RotationAcrossGap(const GapRotationOptions& options, const CameraModel& camera,
                                                     const GapImages& images, const cv::Mat& mask,
                                                     const Eigen::Quaterniond& vehicle_from_camera);
