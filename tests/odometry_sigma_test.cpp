@@ -9,6 +9,7 @@
 #include "odometry_run.h"
 #include "street_drive.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/run/run_summary.h"
 
 namespace turnscale {

@@ -11,9 +11,7 @@
 
 namespace turnscale {
 
-/// When the rotation between the images before and after a gap counts as measured. The limits are from 217 pairs of
-/// images of recorded and rendered drives, most of them in turns, that are 2.2 s apart: two thirds are measured, with a
-/// median error of 0.25 degrees; of one it exceeds 6 degrees.
+/// When the rotation between the images before and after a gap counts as measured (docs/gaps.md).
 struct GapRotationOptions {
   KeypointOptions keypoints;
   /// Largest distance of a match to its epipolar line, pixels.

@@ -186,17 +186,22 @@ std::string BeginningWarning(const UnmappedBeginning& beginning, const RunSummar
 // Gaps in which the car may have turned by another angle than the path has; empty if there are none.
 std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double first_time) {
   constexpr double kLeast = 10 / kDegreesPerRadian;
-  const auto is_uncertain = [](const MapRestart& restart) { return restart.turn_sigma > kLeast; };
-  const auto count = std::ranges::count_if(restarts, is_uncertain);
+  constexpr double kUnknown = 40 / kDegreesPerRadian;
+  const auto count =
+      std::ranges::count_if(restarts, [](const MapRestart& restart) { return restart.turn_sigma > kLeast; });
   if (count == 0) return "";
   const MapRestart& worst = *std::ranges::max_element(restarts, {}, &MapRestart::turn_sigma);
+  const double end = worst.time - first_time;
+  const std::string where = count == 1
+                                ? fmt::format("the gap that ends at {:.1f} s", end)
+                                : fmt::format("{} gaps (least well after the one that ends at {:.1f} s)", count, end);
+  const std::string known = worst.turn_sigma > kUnknown
+                                ? "is not known"
+                                : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));
   return fmt::format(
-      "the direction of travel after {} is only known to about +-{:.0f} deg, as the images before and after it have "
-      "too "
-      "little in common: the path that follows may be turned by that",
-      count == 1 ? fmt::format("the gap that ends at {:.1f} s", worst.time - first_time)
-                 : fmt::format("{} gaps (most of all the one that ends at {:.1f} s)", count, worst.time - first_time),
-      InDegrees(worst.turn_sigma));
+      "the direction of travel after {} {}, as the images before and after have too little in common: the path that "
+      "follows may be rotated",
+      where, known);
 }
 
 // A wrong calibration distorts a turn where it begins, which looks like a turn of the camera.
