@@ -146,6 +146,45 @@ TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
   EXPECT_LT(std::abs(MeasureRun(run.refined, drive.world_from_camera).path_length), 0.01);
 }
 
+// The drive without `count` images from `first` on.
+StreetDrive DriveWithGap(int first, int count) {
+  StreetDrive drive = PlainStreetDrive();
+  const auto take_out = [&](auto& list) { list.erase(list.begin() + first, list.begin() + first + count); };
+  take_out(drive.images);
+  take_out(drive.times);
+  take_out(drive.world_from_camera);
+  return drive;
+}
+
+TEST(OdometryTrouble, TheDirectionAfterAGapInATurnIsMeasured) {
+  constexpr int kFirst = 30;
+  const StreetDrive drive = DriveWithGap(kFirst, 20);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  const auto start = std::ranges::find_if(run.map.keyframes, &Keyframe::after_gap);
+  ASSERT_NE(start, run.map.keyframes.end());
+  EXPECT_TRUE(start->gap_turn_is_measured);
+  ASSERT_TRUE(AllPosed(run.refined));
+  const auto turn_between = [](const Eigen::Quaterniond& before, const Eigen::Quaterniond& after) {
+    return Eigen::Quaterniond(before.conjugate() * after);
+  };
+  constexpr int kBefore = kFirst - 2;
+  constexpr int kAfter = kFirst + 15;
+  const Eigen::Quaterniond found =
+      turn_between(run.refined[kBefore].world_from_camera->rotation, run.refined[kAfter].world_from_camera->rotation);
+  const Eigen::Quaterniond truth =
+      turn_between(drive.world_from_camera[kBefore].rotation, drive.world_from_camera[kAfter].rotation);
+  EXPECT_GT(InDegrees(RotationAngle(truth)), 80);
+  EXPECT_LT(InDegrees(RotationAngle(truth.conjugate() * found)), 1);
+}
+
+TEST(OdometryTrouble, AWallAloneDoesNotShowTheDirectionAfterAGap) {
+  const OdometryRun run = RunOdometry(StreetOptions(), DriveWithGap(80, 26));
+  const auto start = std::ranges::find_if(run.map.keyframes, &Keyframe::after_gap);
+  ASSERT_NE(start, run.map.keyframes.end());
+  EXPECT_FALSE(start->gap_turn_is_measured);
+  EXPECT_GT(InDegrees(start->gap_turn_sigma), 15);
+}
+
 TEST(OdometryTrouble, ARestartHasThePixelsOfTheLensCorrectionLearnedUpToTheGap) {
   constexpr int kFirst = 36;
   constexpr int kCount = 12;

@@ -43,8 +43,25 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
   motion.second_from_first.rotation = Eigen::Quaterniond(R).normalized();
   motion.second_from_first.translation = {translation.at<double>(0), translation.at<double>(1),
                                           translation.at<double>(2)};
-  motion.inlier.assign(mask.begin<uchar>(), mask.end<uchar>());
+  for (auto flag = mask.begin<uchar>(); flag != mask.end<uchar>(); ++flag) motion.inlier.push_back(*flag != 0 ? 1 : 0);
   return motion;
+}
+
+double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vector2d>& first,
+                    const std::vector<Eigen::Vector2d>& second, double max_error) {
+  constexpr std::size_t kFewest = 5;
+  std::vector<cv::Point2d> a;
+  std::vector<cv::Point2d> b;
+  for (std::size_t i = 0; i < motion.inlier.size(); ++i) {
+    if (motion.inlier[i] == 0) continue;
+    a.emplace_back(first[i].x(), first[i].y());
+    b.emplace_back(second[i].x(), second[i].y());
+  }
+  // Any four are.
+  if (a.size() < kFewest) return 1;
+  cv::Mat mask;
+  if (cv::findHomography(a, b, cv::RANSAC, max_error, mask).empty()) return 0;
+  return static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(a.size());
 }
 
 std::optional<TwoViewGeometry> AdjustTwoViews(const Pinhole& pinhole, const EssentialMotion& motion,

@@ -25,6 +25,11 @@ struct EssentialMotion {
 EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& first,
                                     const std::vector<Eigen::Vector2d>& second, double max_error);
 
+/// Share of the inliers of a motion that lie on one plane. If nearly all do, another motion may explain them as well
+/// (Longuet-Higgins 1986, The reconstruction of a plane surface from two perspective projections).
+double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vector2d>& first,
+                    const std::vector<Eigen::Vector2d>& second, double max_error);
+
 /// Motion between two views and what they show, adjusted together.
 struct TwoViewGeometry {
   RigidTransform second_from_first;  ///< in a unit of length of its own

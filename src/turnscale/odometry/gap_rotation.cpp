@@ -3,55 +3,137 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "turnscale/base/check_part.h"
+#include "turnscale/base/random.h"
 #include "turnscale/geometry/angle.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/essential_motion.h"
+#include "turnscale/odometry/mount_calibration.h"
 
 namespace turnscale {
 namespace {
 
 // Of the five-point algorithm.
 constexpr int kFewestMatches = 5;
+constexpr double kSigma = 0.5 / kDegreesPerRadian;
 
-// Whether a car can have moved like this.
-bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& second_from_first,
-                   const Eigen::Quaterniond& vehicle_from_camera) {
-  const Eigen::Vector3d turn = vehicle_from_camera * VectorFromRotation(second_from_first.rotation);
-  if (InDegrees(std::hypot(turn.x(), turn.z())) > options.max_tilt_deg) return false;
-  const Eigen::Vector3d way = vehicle_from_camera * second_from_first.inverse().translation;
-  // Both to the right. The direction may be the opposite one: that of a car that reverses, or of things in a row, where
-  // each is taken for the next.
-  const double direction = InDegrees(std::atan2(way.z() < 0 ? -way.x() : way.x(), std::abs(way.z())));
-  const double heading = -InDegrees(turn.y());
-  return direction >= std::min(heading, 0.0) - options.max_direction_error_deg &&
-         direction <= std::max(heading, 0.0) + options.max_direction_error_deg;
-}
-
-// From the first image to the second.
-std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& options, const CameraModel& camera,
-                                                  const cv::Mat& before, const cv::Mat& after, const cv::Mat& mask,
-                                                  const Eigen::Quaterniond& vehicle_from_camera) {
+// Undistorted pixels of matches, and how exact they are.
+struct Matches {
   std::vector<Eigen::Vector2d> first;
   std::vector<Eigen::Vector2d> second;
-  for (const KeypointMatch& match : MatchKeypoints(options.keypoints, before, after, mask)) {
+  double max_error = 0;  // pixels
+
+  int count() const { return static_cast<int>(first.size()); }
+};
+
+Matches MatchedPixels(const GapRotationOptions& options, const CameraModel& camera, const DescribedKeypoints& first,
+                      const DescribedKeypoints& second) {
+  Matches matches;
+  matches.max_error = options.max_epipolar_error * std::max(first.scale, second.scale);
+  for (const KeypointMatch& match : MatchKeypoints(options.keypoints, first, second)) {
     const std::optional<Eigen::Vector2d> a = camera.Undistort({match.first.x, match.first.y});
     const std::optional<Eigen::Vector2d> b = camera.Undistort({match.second.x, match.second.y});
     if (!a || !b) continue;
-    first.push_back(*a);
-    second.push_back(*b);
+    matches.first.push_back(*a);
+    matches.second.push_back(*b);
   }
+  return matches;
+}
+
+bool AreEnough(const GapRotationOptions& options, std::size_t agreeing, double share, const Matches& matches) {
+  const auto count = static_cast<double>(agreeing);
+  return count >= options.min_matches && count >= share * matches.count();
+}
+
+// The rotation that explains most matches without any way between the views, if there is one (RANSAC).
+std::optional<Eigen::Quaterniond> RotationAlone(const GapRotationOptions& options, const Pinhole& pinhole,
+                                                const Matches& matches) {
+  constexpr int kSamples = 100;
+  std::vector<Eigen::Vector3d> first;
+  std::vector<Eigen::Vector3d> second;
+  for (int i = 0; i < matches.count(); ++i) {
+    first.push_back(pinhole.Ray(matches.first[i]).normalized());
+    second.push_back(pinhole.Ray(matches.second[i]).normalized());
+  }
+  const double reach = 2 * matches.max_error / pinhole.fx;
+  const auto agreeing = [&](const Eigen::Quaterniond& rotation) {
+    std::vector<int> list;
+    for (int i = 0; i < matches.count(); ++i)
+      if ((rotation * first[i] - second[i]).norm() < reach) list.push_back(i);
+    return list;
+  };
+  Random random(1);
+  std::vector<int> best;
+  for (int i = 0; i < kSamples; ++i) {
+    const int a = random.Below(matches.count());
+    const int b = random.Below(matches.count());
+    if (a == b) continue;
+    std::vector<int> list = agreeing(FitRotation({first[a], first[b]}, {second[a], second[b]}));
+    if (list.size() > best.size()) best = std::move(list);
+  }
+  if (!AreEnough(options, best.size(), options.min_still_share, matches)) return std::nullopt;
+  std::vector<Eigen::Vector3d> from;
+  std::vector<Eigen::Vector3d> to;
+  for (const int i : best) {
+    from.push_back(first[i]);
+    to.push_back(second[i]);
+  }
+  return FitRotation(from, to);
+}
+
+// What the rotation of the camera on the car may be off by, rad.
+struct MountReach {
+  double yaw = 0;
+  double tilt = 0;
+};
+
+MountReach ReachOf(const Mount& mount) {
+  constexpr double kAssumed = 3 / kDegreesPerRadian;
+  if (!mount.found) return {2 * kAssumed, 2 * kAssumed};
+  return {2 * mount.sigma.yaw, 2 * std::hypot(mount.sigma.pitch, mount.sigma.roll)};
+}
+
+// Whether a car can have turned like this: about its vertical.
+bool IsTurnOfCar(const GapRotationOptions& options, const Eigen::Quaterniond& rotation, const Mount& mount) {
+  const Eigen::Vector3d turn = mount.vehicle_from_camera * VectorFromRotation(rotation);
+  const double tilt = std::hypot(turn.x(), turn.z());
+  return InDegrees(tilt - ReachOf(mount).tilt * std::abs(turn.y())) <= options.max_tilt_deg;
+}
+
+// Whether a car can have moved like this.
+bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& second_from_first, const Mount& mount) {
+  if (!IsTurnOfCar(options, second_from_first.rotation, mount)) return false;
+  const Eigen::Vector3d turn = mount.vehicle_from_camera * VectorFromRotation(second_from_first.rotation);
+  const Eigen::Vector3d way = mount.vehicle_from_camera * second_from_first.inverse().translation;
+  // Both to the right. The direction may be the opposite one: that of a car that reverses, or of things in a row, where
+  // each is taken for the next.
+  const double direction = std::atan2(way.z() < 0 ? -way.x() : way.x(), std::abs(way.z()));
+  const double heading = -turn.y();
+  const double reach = options.max_direction_error_deg / kDegreesPerRadian + ReachOf(mount).yaw;
+  return direction >= std::min(heading, 0.0) - reach && direction <= std::max(heading, 0.0) + reach;
+}
+
+// Of the second image from the first.
+std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& options, const CameraModel& camera,
+                                                  const DescribedKeypoints& first, const DescribedKeypoints& second,
+                                                  const Mount& mount) {
   const Pinhole& pinhole = camera.pinhole;
-  const auto count = static_cast<int>(first.size());
-  if (count < options.min_matches) return std::nullopt;
-  const EssentialMotion motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error);
-  const auto agreeing = static_cast<int>(std::ranges::count(motion.inlier, 1));
-  if (agreeing < options.min_matches || agreeing < options.min_match_share * count) return std::nullopt;
-  if (!IsMotionOfCar(options, motion.second_from_first, vehicle_from_camera)) return std::nullopt;
-  const std::optional<TwoViewGeometry> adjusted = AdjustTwoViews(pinhole, motion, first, second);
-  return (adjusted ? adjusted->second_from_first : motion.second_from_first).rotation;
+  const Matches matches = MatchedPixels(options, camera, first, second);
+  if (matches.count() < options.min_matches) return std::nullopt;
+  if (const auto rotation = RotationAlone(options, pinhole, matches))
+    return IsTurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
+  const EssentialMotion motion = FindEssentialMotion(pinhole, matches.first, matches.second, matches.max_error);
+  const auto agreeing = static_cast<std::size_t>(std::ranges::count(motion.inlier, 1));
+  if (!AreEnough(options, agreeing, options.min_match_share, matches)) return std::nullopt;
+  if (ShareOnPlane(motion, matches.first, matches.second, 2 * matches.max_error) > options.max_plane_share)
+    return std::nullopt;
+  const std::optional<TwoViewGeometry> adjusted = AdjustTwoViews(pinhole, motion, matches.first, matches.second);
+  if (!adjusted || !IsMotionOfCar(options, adjusted->second_from_first, mount)) return std::nullopt;
+  return adjusted->second_from_first.rotation;
 }
 
 }  // namespace
@@ -61,22 +143,27 @@ void GapRotationOptions::Check() const {
   Require(max_epipolar_error > 0, "max_epipolar_error: has to be positive");
   Require(min_matches >= kFewestMatches, "min_matches: has to be at least 5");
   Require(min_match_share >= 0 && min_match_share <= 1, "min_match_share: has to be in 0...1");
+  Require(min_still_share >= 0 && min_still_share <= 1, "min_still_share: has to be in 0...1");
+  Require(max_plane_share >= 0 && max_plane_share <= 1, "max_plane_share: has to be in 0...1");
   Require(max_tilt_deg > 0, "max_tilt_deg: has to be positive");
   Require(max_direction_error_deg > 0, "max_direction_error_deg: has to be positive");
 }
 
-std::optional<Eigen::Quaterniond> RotationAcrossGap(const GapRotationOptions& options, const CameraModel& camera,
-                                                    const GapImages& images, const cv::Mat& mask,
-                                                    const Eigen::Quaterniond& vehicle_from_camera) {
-  const auto between = [&](const cv::Mat& first, const cv::Mat& second) {
-    return RotationBetween(options, camera, first, second, mask, vehicle_from_camera);
+std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options, const CameraModel& camera,
+                                              const GapImages& images, const cv::Mat& mask, const Mount& mount) {
+  const auto describe = [&](const cv::Mat& gray) { return DescribeKeypoints(options.keypoints, gray, mask); };
+  const auto between = [&](const DescribedKeypoints& first, const DescribedKeypoints& second) {
+    return RotationBetween(options, camera, first, second, mount);
   };
-  if (const auto direct = between(images.before, images.after)) return direct;
+  const DescribedKeypoints before = describe(images.before);
+  const DescribedKeypoints after = describe(images.after);
+  if (const auto direct = between(before, after)) return GapRotation{*direct, kSigma};
   if (images.lost.empty()) return std::nullopt;
-  const auto lost_from_before = between(images.before, images.lost);
-  const auto after_from_lost = lost_from_before ? between(images.lost, images.after) : std::nullopt;
+  const DescribedKeypoints lost = describe(images.lost);
+  const auto lost_from_before = between(before, lost);
+  const auto after_from_lost = lost_from_before ? between(lost, after) : std::nullopt;
   if (!after_from_lost) return std::nullopt;
-  return *after_from_lost * *lost_from_before;
+  return GapRotation{*after_from_lost * *lost_from_before, std::numbers::sqrt2 * kSigma};
 }
 
 }  // namespace turnscale

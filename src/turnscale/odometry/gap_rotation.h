@@ -11,6 +11,8 @@
 
 namespace turnscale {
 
+struct Mount;
+
 /// When the rotation between the images before and after a gap counts as measured (docs/gaps.md).
 struct GapRotationOptions {
   KeypointOptions keypoints;
@@ -20,10 +22,15 @@ struct GapRotationOptions {
   int min_matches = 20;
   /// Their least share of all matches.
   double min_match_share = 0.2;
-  /// Largest rotation about other axes than the car's vertical, degrees.
+  /// The same for a rotation alone, as of a car that has stood: it may also explain what stands still in the image.
+  double min_still_share = 0.6;
+  /// Largest share of the matches that agree which may lie on one plane, such as a wall: then the motion is ambiguous.
+  double max_plane_share = 0.8;
+  /// Largest rotation about other axes than the car's vertical, degrees, beyond what the uncertain rotation of the
+  /// camera on the car explains.
   double max_tilt_deg = 5.0;
   /// A car moves in a direction between those that it faces before and after, or in the opposite one. Largest deviation
-  /// from that, degrees.
+  /// from that, degrees, likewise.
   double max_direction_error_deg = 10.0;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -34,13 +41,18 @@ struct GapRotationOptions {
 struct GapImages {
   cv::Mat before;  ///< the last one that was tracked
   cv::Mat lost;    ///< the first one that was not; may be empty
-  cv::Mat after;   ///< the first one that is tracked again
+  cv::Mat after;   ///< the first view of the map after the gap
 };
 
-/// Rotation of the camera across a gap, from `before` to `after`, by keypoints that both show, or else by way of
-/// `lost`. Empty where they do not have enough in common. `mask`: as ImageMask::pixels.
-std::optional<Eigen::Quaterniond> RotationAcrossGap(const GapRotationOptions& options, const CameraModel& camera,
-                                                    const GapImages& images, const cv::Mat& mask,
-                                                    const Eigen::Quaterniond& vehicle_from_camera);
+/// Rotation of the camera across a gap.
+struct GapRotation {
+  Eigen::Quaterniond after_from_before = Eigen::Quaterniond::Identity();
+  double sigma = 0;  ///< standard deviation of the angle, rad
+};
+
+/// Measures the rotation by keypoints that the images before and after the gap share, or else by way of the lost one.
+/// Empty where they do not have enough in common. `mask`: as ImageMask::pixels.
+std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options, const CameraModel& camera,
+                                              const GapImages& images, const cv::Mat& mask, const Mount& mount);
 
 }  // namespace turnscale

@@ -5,10 +5,16 @@
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/test_boards.h"
 
 namespace turnscale {
 namespace {
+
+Mount MountedAt(const Eigen::Quaterniond& vehicle_from_camera) {
+  constexpr double kSigma = 0.3 / kDegreesPerRadian;
+  return {.vehicle_from_camera = vehicle_from_camera, .found = true, .sigma = {kSigma, kSigma, kSigma}};
+}
 
 const Eigen::Quaterniond kLevel = Eigen::Quaterniond::Identity();
 
@@ -19,9 +25,9 @@ RigidTransform At(double x, double z, double turn) {
 
 cv::Mat Seen(const RigidTransform& camera_from_world) { return Boards(3).Seen(SmallCamera(), camera_from_world); }
 
-std::optional<Eigen::Quaterniond> Measured(const GapImages& images,
-                                           const Eigen::Quaterniond& vehicle_from_camera = kLevel) {
-  return RotationAcrossGap({}, SmallCamera(), images, {}, vehicle_from_camera);
+std::optional<Eigen::Quaterniond> Measured(const GapImages& images, const Mount& mount = MountedAt(kLevel)) {
+  const std::optional<GapRotation> rotation = MeasureGapRotation({}, SmallCamera(), images, {}, mount);
+  return rotation ? std::optional(rotation->after_from_before) : std::nullopt;
 }
 
 double DegreesBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -45,10 +51,12 @@ TEST(GapRotation, NothingInCommonTellsNothing) {
 }
 
 TEST(GapRotation, IsMeasuredByWayOfTheFirstImageAfterTheGap) {
-  const RigidTransform lost = At(0.3, 1, 0.65);
-  const RigidTransform after = At(0.9, 1.6, 1.3);
-  const GapImages images = {Seen(At(0, 0, 0)), Seen(lost), Seen(after)};
-  ASSERT_FALSE(Measured({images.before, {}, images.after})) << "too little in common";
+  const RigidTransform after = At(0.1, 1.6, 0.1);
+  GapImages images = {Seen(At(0, 0, 0)), Seen(At(0.05, 0.8, 0.05)), Seen(after)};
+  // The left half of the scene is in the image before the gap, the right half in the one after it.
+  images.before.colRange(240, 480).setTo(0);
+  images.after.colRange(0, 240).setTo(0);
+  ASSERT_FALSE(Measured({images.before, {}, images.after}));
   const auto rotation = Measured(images);
   ASSERT_TRUE(rotation);
   EXPECT_LT(DegreesBetween(*rotation, after.rotation), 1);
@@ -57,11 +65,31 @@ TEST(GapRotation, IsMeasuredByWayOfTheFirstImageAfterTheGap) {
 TEST(GapRotation, IsThatOfACar) {
   const GapImages sideways = {Seen(At(0, 0, 0)), {}, Seen(At(1, 0.2, 0))};
   EXPECT_FALSE(Measured(sideways)) << "no car moves sideways";
-  EXPECT_TRUE(Measured(sideways, RotationFromVector({0, -1.37, 0}))) << "the camera looks to the left";
+  EXPECT_TRUE(Measured(sideways, MountedAt(RotationFromVector({0, -1.37, 0})))) << "the camera looks to the left";
   EXPECT_TRUE(Measured({Seen(At(0, 1.2, 0)), {}, Seen(At(0, 0, 0))})) << "in reverse";
   RigidTransform tilted = At(0, 1.2, 0);
   tilted = RigidTransform{RotationFromVector({0, 0, 0.15}), {0, 0, 0}} * tilted;
   EXPECT_FALSE(Measured({Seen(At(0, 0, 0)), {}, Seen(tilted)})) << "no car leans like this";
+}
+
+TEST(GapRotation, OfACarThatStood) {
+  const cv::Mat image = Seen(At(0, 0, 0));
+  const auto same = Measured({image, {}, image});
+  ASSERT_TRUE(same);
+  EXPECT_LT(DegreesBetween(*same, kLevel), 0.1);
+  const auto turned = Measured({image, {}, Seen(At(0, 0, 0.2))});
+  ASSERT_TRUE(turned);
+  EXPECT_LT(DegreesBetween(*turned, At(0, 0, 0.2).rotation), 0.1);
+}
+
+TEST(GapRotation, ACameraThatMayBePitchedIsAllowedSomeTilt) {
+  // Pitched by 8 degrees, which the mount does not know yet.
+  const RigidTransform pitched{RotationFromVector({0.14, 0, 0}), Eigen::Vector3d::Zero()};
+  const GapImages images = {Seen(pitched * At(0, 0, -0.35)), {}, Seen(pitched * At(0.1, 1.2, 0.35))};
+  EXPECT_FALSE(Measured(images));
+  Mount unknown = MountedAt(kLevel);
+  unknown.found = false;
+  EXPECT_TRUE(Measured(images, unknown));
 }
 
 TEST(GapRotationOptions, RefusesSenselessValues) {
@@ -70,6 +98,8 @@ TEST(GapRotationOptions, RefusesSenselessValues) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "max_epipolar_error");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_matches = 4; }), "min_matches");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_match_share = 1.1; }), "min_match_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_still_share = -1; }), "min_still_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_plane_share = 2; }), "max_plane_share");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_tilt_deg = 0; }), "max_tilt_deg");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_direction_error_deg = 0; }), "max_direction_error_deg");
 }

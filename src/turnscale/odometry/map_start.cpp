@@ -79,20 +79,20 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
 }
 
 PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
-                            const std::optional<Eigen::Quaterniond>& first_from_last) {
-  constexpr double kMeasuredSigma = 0.5 / kDegreesPerRadian;
+                            const std::optional<GapRotation>& measured) {
   const double time = start.frames.front().time;
   const auto turn = [&](const Eigen::Quaterniond& rotation) {
     return motion.vertical().dot(VectorFromRotation(rotation));
   };
-  if (!first_from_last) {
-    const double rate = turn(start.second_from_first.rotation) / (start.frames.back().time - time);
+  const double rate = turn(start.second_from_first.rotation) / (start.frames.back().time - time);
+  if (!measured) {
     const double larger_rate = std::max(std::abs(rate), std::abs(motion.turning_rate()));
-    return {motion.PredictTurningAt(time, rate), GapTurnSigma(time - motion.last_measured_time(), larger_rate)};
+    return {motion.PredictAcross(time, rate, std::nullopt),
+            GapTurnSigma(time - motion.last_measured_time(), larger_rate)};
   }
-  const Eigen::Vector3d centre = motion.PredictTurn(time, turn(*first_from_last)).inverse().translation;
-  const Eigen::Quaterniond rotation = *first_from_last * motion.last().rotation;
-  return {{rotation, -(rotation * centre)}, kMeasuredSigma};
+  const RigidTransform predicted = motion.PredictAcross(time, rate, turn(measured->after_from_before));
+  const Eigen::Quaterniond rotation = measured->after_from_before * motion.last().rotation;
+  return {{rotation, -(rotation * predicted.inverse().translation)}, measured->sigma, true};
 }
 
 AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) {
@@ -111,7 +111,8 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
                            .observations = {},
                            .after_gap = place.after_gap,
                            .gap_sigma = place.unit.sigma,
-                           .gap_turn_sigma = place.predicted.turn_sigma});
+                           .gap_turn_sigma = place.predicted.turn_sigma,
+                           .gap_turn_is_measured = place.predicted.turn_is_measured});
   map.keyframes.push_back({.frame = second.frame,
                            .time = second.time,
                            .camera_from_world = second_from_first * place.predicted.first_from_world,

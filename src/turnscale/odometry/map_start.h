@@ -9,6 +9,7 @@
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/gap_rotation.h"
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
@@ -25,12 +26,13 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
 struct PredictedStart {
   RigidTransform first_from_world;  ///< of the first view
   double turn_sigma = 0;            ///< standard deviation of the angle turned since the last pose, rad
+  bool turn_is_measured = false;    ///< in the images
 };
 
-/// Predicts the pose of a start after a gap. `first_from_last`: the camera's rotation since the last pose before the
-/// gap, where the images show it; else it follows from the turning rates before and after the gap.
+/// Predicts the pose of a start after a gap. `measured`: the camera's rotation since the last pose before the gap,
+/// where the images show it; else it follows from the turning rates before and after the gap.
 PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
-                            const std::optional<Eigen::Quaterniond>& first_from_last);
+                            const std::optional<GapRotation>& measured);
 
 /// Where a start is put in the map.
 struct StartPlace {

@@ -153,12 +153,20 @@ TEST(MapStart, AfterAGapTheCarHasTurnedAsImagesOrRatesShow) {
   EXPECT_GT(turn_of(by_rates), -0.5);
 
   const Eigen::Quaterniond measured = RotationFromVector({0.02, -0.6, 0});
-  const RigidTransform by_images = PredictStart(motion, start.map, measured).first_from_world;
+  const PredictedStart measured_start = PredictStart(motion, start.map, GapRotation{measured, 0.01});
+  EXPECT_TRUE(measured_start.turn_is_measured);
+  EXPECT_EQ(measured_start.turn_sigma, 0.01);
+  const RigidTransform& by_images = measured_start.first_from_world;
   EXPECT_LT(RotationAngle(by_images.rotation.conjugate() * measured), 1e-9);
   const Eigen::Vector3d centre = by_images.inverse().translation;
-  EXPECT_NEAR(std::atan2(centre.x(), centre.z()), 0.3, 0.1) << "half-way between the directions at both ends";
-  EXPECT_LT(PredictStart(motion, start.map, measured).turn_sigma,
-            0.1 * PredictStart(motion, start.map, std::nullopt).turn_sigma);
+  EXPECT_NEAR(std::atan2(centre.x(), centre.z()), 0.2, 0.1) << "the car turns mostly after the middle of the gap";
+  const PredictedStart by_rates_start = PredictStart(motion, start.map, std::nullopt);
+  EXPECT_FALSE(by_rates_start.turn_is_measured);
+  EXPECT_GT(by_rates_start.turn_sigma, 0.1);
+
+  motion.Stop();
+  EXPECT_LT(PredictStart(motion, start.map, std::nullopt).first_from_world.inverse().translation.z(), 0.21)
+      << "a car that stood is where it was";
 }
 
 }  // namespace

@@ -29,6 +29,11 @@ double Effective(double steady, double decay, double seconds) {
   return seconds <= steady ? seconds : steady + decay * -std::expm1(-(seconds - steady) / decay);
 }
 
+// The seconds in which motion that decays goes on for so many.
+double SecondsFor(double steady, double decay, double effective) {
+  return effective <= steady ? effective : steady - decay * std::log1p(-(effective - steady) / decay);
+}
+
 }  // namespace
 
 void MotionModelOptions::Check() const {
@@ -105,15 +110,35 @@ RigidTransform MotionModel::PredictOtherwise(double time, double turn, double sp
   return Extrapolate(step, time - last_measured_time_);
 }
 
-RigidTransform MotionModel::PredictTurn(double time, double turn) const {
-  const Eigen::Quaterniond expected = Predict(time).rotation * camera_from_world_.rotation.conjugate();
-  return PredictOtherwise(time, turn - vertical_.dot(VectorFromRotation(expected)), 1);
-}
-
-RigidTransform MotionModel::PredictTurningAt(double time, double rate) const {
-  if (!step_) return camera_from_world_;
-  const double seconds = Effective(options_.steady_seconds, options_.turn_seconds, 0.5 * (time - last_measured_time_));
-  return PredictTurn(time, seconds * (turning_rate() + rate));
+RigidTransform MotionModel::PredictAcross(double time, double rate, std::optional<double> turn) const {
+  const double seconds = time - last_measured_time_;
+  if (!step_ || !(seconds > 0)) return camera_from_world_;
+  const auto turning = [&](double passed) { return Effective(options_.steady_seconds, options_.turn_seconds, passed); };
+  const double before = turning_rate();
+  // Each rate lasts for half of the gap, or for less where the car has turned less.
+  double lasting = 0.5 * seconds;
+  if (turn && before + rate != 0) {
+    const double effective = std::clamp(*turn / (before + rate), 0.0, turning(lasting));
+    lasting = std::min(SecondsFor(options_.steady_seconds, options_.turn_seconds, effective), lasting);
+  }
+  const double rest = turn ? *turn - (before + rate) * turning(lasting) : 0.0;
+  const auto heading = [&](double passed) {
+    return before * turning(std::min(passed, lasting)) +
+           rate * (turning(lasting) - turning(std::min(seconds - passed, lasting))) + rest * passed / seconds;
+  };
+  const double steps = std::clamp(std::ceil(seconds / step_->seconds), 1.0, kMostSteps);
+  RigidTransform pose = camera_from_world_;
+  double turned = 0;
+  double travelled = 0;
+  for (int i = 1; i <= static_cast<int>(steps); ++i) {
+    const double passed = seconds * i / steps;
+    const double travelling = Effective(options_.steady_seconds, options_.travel_seconds, passed);
+    const Eigen::Vector3d turns = (heading(passed) - turned) * vertical_;
+    pose = RigidTransform{RotationFromVector(turns), (travelling - travelled) * step_->mean.velocity} * pose;
+    turned = heading(passed);
+    travelled = travelling;
+  }
+  return pose;
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world, bool after_repeats) {

@@ -67,13 +67,11 @@ class MotionModel {
   /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
   RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
 
-  /// Pose at `time` if the car turns by `turn` radians about its vertical until then, as the last step did: positive
-  /// about vertical().
-  RigidTransform PredictTurn(double time, double turn) const;
-
-  /// Pose at `time` if the car then turns at `rate`, rad/s about vertical(): the present rate and that one each go on
-  /// to the middle of the time between, and decay towards it.
-  RigidTransform PredictTurningAt(double time, double rate) const;
+  /// Pose at `time`, after a gap in the tracking. The turning rate before it and the one after it (`rate`, rad/s about
+  /// vertical()) each go on to the middle of the gap, and decay towards it. `turn`: the angle turned about vertical()
+  /// in all, radians, if it is known. If it is smaller, the rates last for less time; what is more is spread evenly.
+  /// The speed is the last one.
+  RigidTransform PredictAcross(double time, double rate, std::optional<double> turn) const;
 
   /// The car's vertical as SetVertical has it.
   const Eigen::Vector3d& vertical() const { return vertical_; }

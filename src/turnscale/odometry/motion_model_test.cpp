@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -160,21 +161,43 @@ TEST(MotionModel, PredictsOtherTurnsAndSpeeds) {
   EXPECT_NEAR(travelled(0.5), 0.5 * travelled(1), 1e-9);
 }
 
-TEST(MotionModel, PredictsATurnOfAGivenAngleOrRate) {
+TEST(MotionModel, PredictsTheMotionAcrossAGap) {
   MotionModel motion;
-  ExpectNear(motion.PredictTurn(1, 0.2), motion.last());
-  ExpectNear(motion.PredictTurningAt(1, 0.2), motion.last());
-  motion.Update(1.0, kStart);
-  motion.Update(1.1, {RotationFromVector({0, -0.02, 0}) * kStart.rotation, kStart.translation});
-  const auto turn_of = [&](const RigidTransform& pose) {
-    return VectorFromRotation((pose * motion.last().inverse()).rotation).y();
+  ExpectNear(motion.PredictAcross(1, 0.2, std::nullopt), motion.last());
+  motion.Update(1.0, RigidTransform{});
+  // Ahead at 10 units/s, turning at 0.2 rad/s.
+  const RigidTransform step{RotationFromVector({0, -0.02, 0}), {0, 0, -1}};
+  motion.Update(1.1, step);
+  const auto moved = [&](double time, double rate, std::optional<double> turn) {
+    return motion.PredictAcross(time, rate, turn) * motion.last().inverse();
   };
-  for (const double turn : {-0.5, 0.0, 0.4}) EXPECT_NEAR(turn_of(motion.PredictTurn(3.1, turn)), turn, 1e-9);
-  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, -0.2)), -0.8 * 0.2, 1e-9) << "the rate stays";
-  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, 0)), -0.4 * 0.2, 1e-9) << "the turn ends half-way";
-  EXPECT_NEAR(turn_of(motion.PredictTurningAt(1.9, 0.2)), 0, 1e-9) << "an S";
-  EXPECT_LT(turn_of(motion.PredictTurningAt(6.1, 0)), -0.5 * 0.2);
-  EXPECT_GT(turn_of(motion.PredictTurningAt(6.1, 0)), -2.0 * 0.2) << "a turn ends";
+  const auto turn_of = [](const RigidTransform& pose) { return VectorFromRotation(pose.rotation).y(); };
+  // Of the way, to the left of where the car faced before the gap.
+  const auto direction_of = [](const RigidTransform& pose) {
+    const Eigen::Vector3d way = pose.inverse().translation;
+    return std::atan2(-way.x(), way.z());
+  };
+  ExpectNear(moved(1.1, 0.2, std::nullopt), RigidTransform{});
+  EXPECT_NEAR(turn_of(moved(1.9, -0.2, std::nullopt)), -0.8 * 0.2, 1e-9) << "the rate stays";
+  EXPECT_NEAR(turn_of(moved(1.9, 0, std::nullopt)), -0.4 * 0.2, 1e-9) << "the turn ends half-way";
+  EXPECT_NEAR(turn_of(moved(1.9, 0.2, std::nullopt)), 0, 1e-9) << "an S";
+  EXPECT_LT(turn_of(moved(6.1, 0, std::nullopt)), -0.5 * 0.2);
+  EXPECT_GT(turn_of(moved(6.1, 0, std::nullopt)), -2.0 * 0.2) << "a turn ends";
+  for (const double turn : {-0.5, 0.0, 0.4}) EXPECT_NEAR(turn_of(moved(4.1, -0.2, turn)), turn, 1e-9);
+
+  // A turn before the gap bends all of the way, one after it only the last part.
+  motion.Restart(1.1, RigidTransform{});
+  EXPECT_LT(direction_of(moved(4.1, 0, std::nullopt)), -0.1);
+  MotionModel straight;
+  straight.Update(1.0, RigidTransform{});
+  straight.Update(1.1, {Eigen::Quaterniond::Identity(), {0, 0, -1}});
+  const RigidTransform turns_late = straight.PredictAcross(4.1, -0.4, std::nullopt) * straight.last().inverse();
+  EXPECT_LT(turn_of(turns_late), -0.4);
+  EXPECT_GT(direction_of(turns_late), 0.35 * turn_of(turns_late));
+  EXPECT_NEAR(direction_of(straight.PredictAcross(4.1, 0, -0.6) * straight.last().inverse()), -0.3, 0.02) << "evenly";
+  const RigidTransform turns_last = straight.PredictAcross(4.1, -0.4, -0.1) * straight.last().inverse();
+  EXPECT_NEAR(turn_of(turns_last), -0.1, 1e-9);
+  EXPECT_GT(direction_of(turns_last), -0.01) << "in the last 0.25 s";
 }
 
 constexpr size_t kTurningRates = 4;

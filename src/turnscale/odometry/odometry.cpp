@@ -179,9 +179,9 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   place.after_gap = continues;
   if (continues) {
     const GapImages images = {tracker_.latest_gray(), first_lost_, start.first_image};
-    const std::optional<Eigen::Quaterniond> rotation = RotationAcrossGap(
-        options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current().vehicle_from_camera);
-    place.predicted = PredictStart(motion_, start, rotation);
+    place.predicted =
+        PredictStart(motion_, start,
+                     MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current()));
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
   const AddedStart added = AddStart(start, place, map_);

@@ -71,7 +71,7 @@ double GapLengthSigma(double seconds, bool both_ends) {
 double GapTurnSigma(double seconds, double rate) {
   constexpr double kOnStraights = 0.01;  // rad/s^2
   constexpr double kInTurns = 0.11;      // of the rate, 1/s^2
-  constexpr double kMost = 0.75;         // rad
+  constexpr double kMost = 1.8;          // rad: any direction
   return std::min(seconds * seconds * std::hypot(kOnStraights, kInTurns * rate), kMost);
 }
 

@@ -15,8 +15,8 @@ namespace turnscale {
 double GapLengthSigma(double seconds, bool both_ends);
 
 /// Standard deviation of the angle by which a car turns in so many seconds that are not measured, if it is predicted by
-/// the turning rates before and after (MotionModel::PredictTurningAt); the larger one is `rate`, rad/s. From KITTI's
-/// ground truth for 0.5 to 8 s (23,000 frames).
+/// the turning rates before and after (MotionModel::PredictAcross); the larger one is `rate`, rad/s. From KITTI's
+/// ground truth for 0.5 to 30 s (docs/gaps.md).
 double GapTurnSigma(double seconds, double rate);
 
 /// The map predicts the motion across a loss of tracking from the speed before it. Makes its length the mean of that

@@ -42,7 +42,7 @@ struct PathSummary {
   std::vector<ImpossibleMotion> impossible;    ///< parts that no car has driven
   std::optional<UncertainScale> uncertain;     ///< parts whose scale is hardly known
   std::vector<FrozenPart> frozen;              ///< parts in which the picture is frozen
-  std::optional<UnmappedBeginning> beginning;  ///< empty if the path begins with the drive
+  std::optional<UnmappedBeginning> beginning;  ///< empty if the path begins with the drive, or the car waits
 };
 
 /// `frames`: refined. `repeated`: those that were taken for repeated images online, ascending. `seen`: the images

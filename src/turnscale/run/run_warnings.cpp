@@ -168,10 +168,10 @@ std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const Refined
 
 // A path that begins 2 s late, or 0.5 s and lacks 3 % of its length; empty if it does not.
 std::string BeginningWarning(const UnmappedBeginning& beginning, const RunSummary& summary) {
-  constexpr double kBriefSeconds = 0.5;
+  constexpr double kLeastSeconds = 0.5;
   constexpr double kSmallShare = 0.03;
   const double seconds = beginning.part.to - beginning.part.from;
-  if (seconds < kBriefSeconds || (seconds < kLateSeconds && beginning.length < kSmallShare * summary.path.distance))
+  if (seconds < kLeastSeconds || (seconds < kLateSeconds && beginning.length < kSmallShare * summary.path.distance))
     return "";
   // The cause of a short part is hard to tell.
   const MissingPart shown = SinceFirst(beginning.part, summary.drive.given.first_time);
@@ -192,21 +192,22 @@ std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double f
   if (count == 0) return "";
   const MapRestart& worst = *std::ranges::max_element(restarts, {}, &MapRestart::turn_sigma);
   const double end = worst.time - first_time;
-  const std::string where = count == 1
-                                ? fmt::format("the gap that ends at {:.1f} s", end)
-                                : fmt::format("{} gaps (least well after the one that ends at {:.1f} s)", count, end);
-  const std::string known = worst.turn_sigma > kUnknown
+  const std::string where = count == 1 ? fmt::format("the gap that ends at {:.1f} s", end)
+                                       : fmt::format("{} gaps (at worst the one that ends at {:.1f} s)", count, end);
+  const std::string known = count == 1 && worst.turn_sigma > kUnknown
                                 ? "is not known"
                                 : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));
   return fmt::format(
-      "the direction of travel after {} {}, as the images before and after have too little in common: the path that "
-      "follows may be rotated",
+      "the direction of travel after {} {}, as it could not be measured in the images: the path that follows may be "
+      "rotated",
       where, known);
 }
 
 // A wrong calibration distorts a turn where it begins, which looks like a turn of the camera.
 std::string DoubtfulKnocksWarning(const DriveFacts& drive, const RefinedScale& scale) {
   if (drive.mount.jumps.empty() || scale.contradicted_calibration.empty()) return "";
+  // Then it is the images that are wrong.
+  if (drive.images.is_upside_down || drive.images.blending) return "";
   return fmt::format(
       "the turn{} of the camera on the car may come from the calibration, which the images contradict: "
       "correct it first",

@@ -204,6 +204,9 @@ TEST(RunWarnings, DoubtsAKnockWhereTheCalibrationIsWrong) {
   EXPECT_TRUE(std::ranges::any_of(warnings, [](const std::string& warning) {
     return warning.starts_with("the turn of the camera on the car may come from the calibration");
   }));
+  drive.images.is_upside_down = true;
+  for (const std::string& warning : SummaryOf(drive, PathFrames(5, 1), scale).warnings)
+    EXPECT_FALSE(warning.starts_with("the turn of the camera")) << warning;
 }
 
 }  // namespace

@@ -285,10 +285,13 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     auto& o = options.gap_rotation;
     visitor.Field("max_keypoints", o.keypoints.max_keypoints);
     visitor.Field("min_contrast", o.keypoints.min_contrast);
+    visitor.Field("max_width", o.keypoints.max_width);
     visitor.Field("max_distance_ratio", o.keypoints.max_distance_ratio);
     visitor.Field("max_epipolar_error", o.max_epipolar_error);
     visitor.Field("min_matches", o.min_matches);
     visitor.Field("min_match_share", o.min_match_share);
+    visitor.Field("min_still_share", o.min_still_share);
+    visitor.Field("max_plane_share", o.max_plane_share);
     visitor.Field("max_tilt_deg", o.max_tilt_deg);
     visitor.Field("max_direction_error_deg", o.max_direction_error_deg);
   });

@@ -52,6 +52,7 @@ nlohmann::ordered_json MissingJson(const PathSummary& path, const std::vector<Ma
     restarts.push_back({{"frame", restart.frame},
                         {"time_s", restart.time},
                         {"unit_sigma", restart.unit_sigma},
+                        {"turn_measured", restart.turn_is_measured},
                         {"turn_sigma_deg", InDegrees(restart.turn_sigma)}});
   return {{"seconds", TotalSeconds(path.missing)},
           {"of_s", path.seconds},
