@@ -43,7 +43,7 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
   motion.second_from_first.rotation = Eigen::Quaterniond(R).normalized();
   motion.second_from_first.translation = {translation.at<double>(0), translation.at<double>(1),
                                           translation.at<double>(2)};
-  for (auto flag = mask.begin<uchar>(); flag != mask.end<uchar>(); ++flag) motion.inlier.push_back(*flag != 0 ? 1 : 0);
+  for (const uchar flag : cv::Mat_<uchar>(mask)) motion.inlier.push_back(flag != 0 ? 1 : 0);
   return motion;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,16 +15,15 @@ namespace turnscale {
 /// Relative standard deviation of the measured path's length up to which the scale of a drive is called known.
 inline constexpr double kLargestKnownSigma = 0.15;
 
-/// How well the path of a drive is known in metres, and by what. Sigmas are relative, and infinite while the scale is
-/// pending.
+/// How well the path of a drive is known in metres, and by what. Sigmas are relative; ScaleSummaryOf makes them
+/// infinite while the scale is pending.
 struct ScaleSummary {
   ScaleState state = ScaleState::kPending;
-  std::string pending_reason;                                   ///< why there is no scale; empty where there is
-  double path_sigma = std::numeric_limits<double>::infinity();  ///< of the path's length
-  double sigma =
-      std::numeric_limits<double>::infinity();  ///< the same without the parts of the path that are not measured
-  double worst_sigma = std::numeric_limits<double>::infinity();  ///< the largest along the path
-  double worst_sigma_time = 0;                                   ///< where that is, seconds
+  std::string pending_reason;   ///< why there is no scale; empty where there is
+  double path_sigma = 0;        ///< of the path's length
+  double sigma = 0;             ///< the same without the parts of the path that are not measured
+  double worst_sigma = 0;       ///< the largest along the path
+  double worst_sigma_time = 0;  ///< where that is, seconds
   int turns_found = 0;
   int turns_used = 0;
   TurnTest turn_test;                             ///< consistency of the turns
