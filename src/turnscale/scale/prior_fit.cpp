@@ -41,7 +41,7 @@ CarPrior WithLag(CarPrior car, const ScaleEstimatorOptions& options) {
 
 CarPrior WithFreed(const FreedPriors& freed, CarPrior car, const ScaleEstimatorOptions& options) {
   if (freed.yaw) car.yaw_sigma = options.contradicted_yaw_sigma;
-  return freed.lag ? WithLag(std::move(car), options) : car;
+  return freed.lag ? WithLag(car, options) : car;
 }
 
 bool TurnsAgree(const SmoothedDrive& drive, const TurnTestOptions& options) {
