@@ -61,6 +61,7 @@ void VehicleStepOptions::Check() const {
   if (max_poses < 1) throw InputError("max_poses: has to be at least 1");
   if (!(max_pose_interval > 0)) throw InputError("max_pose_interval: has to be positive");
   if (!(max_pose_turn > 0)) throw InputError("max_pose_turn_deg: has to be positive");
+  if (!(max_isolated_turn > 0)) throw InputError("max_isolated_turn_deg: has to be positive");
   if (!(max_speed_ratio > 1)) throw InputError("max_speed_ratio: has to be above 1");
   if (!(max_direction > 0)) throw InputError("max_direction_deg: has to be positive");
 }
@@ -107,7 +108,11 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, std::optional
     if (timed_) across.duration = pose.time - under_way_->end.time;
     under_way_ = BeginAt(pose, index);
   } else {
+    const double interval = pose.time - under_way_->end.time;
     GoOn(pose, *under_way_);
+    constexpr std::size_t kIntervals = 8;
+    intervals_.push_back(interval);
+    if (intervals_.size() > kIntervals) intervals_.pop_front();
     const VehicleStep step = StepOf(*under_way_, index);
     if (!IsLongEnough(step)) return {};
     ended.push_back(step);
@@ -130,6 +135,13 @@ std::optional<VehicleStep> StepBuilder::Finish() {
   return step;
 }
 
+bool StepBuilder::AreSparse(double seconds, double turned) const {
+  constexpr double kIsolated = 2.5;  // times the shortest of the intervals before
+  if (AreFarApart(timed_ ? std::optional(seconds) : std::nullopt, turned, options_)) return true;
+  return timed_ && !intervals_.empty() && seconds > options_.max_pose_interval &&
+         seconds > kIsolated * *std::ranges::min_element(intervals_) && turned > options_.max_isolated_turn;
+}
+
 void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
   const double heading = Measure(step.begin, pose).motion.psi;
   const double travel = (pose.world_from_camera.translation - step.end.world_from_camera.translation).norm();
@@ -138,7 +150,7 @@ void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
   step.travel += travel;
   if (timed_ && duration > 0) step.square_speed_integral += (heading - step.heading) * Square(travel / duration);
   const double turned = std::abs(heading - step.heading);
-  step.dense = step.dense && !AreFarApart(timed_ ? std::optional(duration) : std::nullopt, turned, options_);
+  step.dense = step.dense && !AreSparse(duration, turned);
   step.heading = heading;
   step.end = pose;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -85,6 +86,9 @@ struct VehicleStepOptions {
   /// that.
   double max_pose_interval = 0.75;
   double max_pose_turn = 10.0 / kDegreesPerRadian;
+  /// The same, rad (2 deg), between two poses that are so far apart while those before them are not: images are missing
+  /// there, as likely as not where a turn begins or ends.
+  double max_isolated_turn = 2.0 / kDegreesPerRadian;
   /// A step this many times as fast as four of five of the ten around it is a jump of the odometry.
   double max_speed_ratio = 3;
   /// A step that goes further off straight ahead or straight back than this is a jump, rad (60 deg).
@@ -140,6 +144,8 @@ class StepBuilder {
   static StepUnderWay BeginAt(const StampedPose& pose, int index) {
     return {.begin = pose, .end = pose, .first = index};
   }
+  /// Whether the curvature between the latest pose and the next one, so many seconds later, is not known.
+  bool AreSparse(double seconds, double turned) const;
   /// The step under way reaches the next pose.
   void GoOn(const StampedPose& pose, StepUnderWay& step) const;
   VehicleStep Measure(const StampedPose& from, const StampedPose& to) const;
@@ -152,6 +158,7 @@ class StepBuilder {
   int poses_ = 0;
   std::optional<StepUnderWay> under_way_;  ///< from the first pose on that is finite
   std::optional<double> gap_sigma_;        ///< of a gap since the latest pose that is finite
+  std::deque<double> intervals_;           ///< between the latest poses, seconds
 };
 
 /// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order. Poses that are

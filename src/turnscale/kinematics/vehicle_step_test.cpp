@@ -280,12 +280,25 @@ TEST(CutIntoSteps, AHoleInATurnShowsNothingOfTheCar) {
   EXPECT_FALSE(hole->shows_kinematics());
   // The same poses without times, and the hole on a gentle bend.
   EXPECT_FALSE(std::ranges::all_of(CutIntoSteps(path, {}, false, {}), &VehicleStep::dense));
-  Trajectory bend = Timed({{30, 0.4, 0.5 * kDegree}});
+  Trajectory bend = Timed({{30, 0.4, 0.15 * kDegree}});
   bend.erase(bend.begin() + 10, bend.begin() + 20);
   EXPECT_TRUE(std::ranges::all_of(CutIntoSteps(bend, {}, true, {}), &VehicleStep::dense));
   // Two images a second in a sharp turn.
   Trajectory slow = Timed({{30, 0.4, 3 * kDegree}});
   for (StampedPose& pose : slow) pose.time *= 5;
+  EXPECT_TRUE(std::ranges::all_of(CutIntoSteps(slow, {}, true, {}), &VehicleStep::dense));
+}
+
+TEST(CutIntoSteps, AHoleWhereATurnMayBeginShowsNothingOfTheCar) {
+  // 5.5 deg in the 1.1 s across the hole, where the path may be straight and then turn.
+  const Trajectory whole = Timed({{60, 0.4, 0.5 * kDegree}});
+  Trajectory path = whole;
+  path.erase(path.begin() + 20, path.begin() + 30);
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {}, true, {});
+  EXPECT_EQ(std::ranges::count_if(steps, [](const VehicleStep& step) { return !step.dense; }), 1);
+  // Poses that are all so far apart are those of a slow camera in a bend.
+  Trajectory slow;
+  for (std::size_t i = 0; i < whole.size(); i += 11) slow.push_back(whole[i]);
   EXPECT_TRUE(std::ranges::all_of(CutIntoSteps(slow, {}, true, {}), &VehicleStep::dense));
 }
 
@@ -399,6 +412,7 @@ TEST(VehicleStepOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.max_poses = 0; }), "max_poses");
   EXPECT_EQ(refused([](auto& o) { o.max_pose_interval = 0; }), "max_pose_interval");
   EXPECT_EQ(refused([](auto& o) { o.max_pose_turn = 0; }), "max_pose_turn_deg");
+  EXPECT_EQ(refused([](auto& o) { o.max_isolated_turn = 0; }), "max_isolated_turn_deg");
   EXPECT_EQ(refused([](auto& o) { o.max_speed_ratio = 1; }), "max_speed_ratio");
   EXPECT_EQ(refused([](auto& o) { o.max_direction = 0; }), "max_direction_deg");
 }

@@ -267,6 +267,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("max_poses", o.max_poses);
     visitor.Field("max_pose_interval", o.max_pose_interval);
     visitor.Degrees("max_pose_turn_deg", o.max_pose_turn);
+    visitor.Degrees("max_isolated_turn_deg", o.max_isolated_turn);
     visitor.Field("max_speed_ratio", o.max_speed_ratio);
     visitor.Degrees("max_direction_deg", o.max_direction);
   });
