@@ -108,11 +108,7 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, std::optional
     if (timed_) across.duration = pose.time - under_way_->end.time;
     under_way_ = BeginAt(pose, index);
   } else {
-    const double interval = pose.time - under_way_->end.time;
     GoOn(pose, *under_way_);
-    constexpr std::size_t kIntervals = 8;
-    intervals_.push_back(interval);
-    if (intervals_.size() > kIntervals) intervals_.pop_front();
     const VehicleStep step = StepOf(*under_way_, index);
     if (!IsLongEnough(step)) return {};
     ended.push_back(step);
@@ -142,7 +138,7 @@ bool StepBuilder::AreSparse(double seconds, double turned) const {
          seconds > kIsolated * *std::ranges::min_element(intervals_) && turned > options_.max_isolated_turn;
 }
 
-void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
+void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) {
   const double heading = Measure(step.begin, pose).motion.psi;
   const double travel = (pose.world_from_camera.translation - step.end.world_from_camera.translation).norm();
   const double duration = pose.time - step.end.time;
@@ -151,6 +147,9 @@ void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
   if (timed_ && duration > 0) step.square_speed_integral += (heading - step.heading) * Square(travel / duration);
   const double turned = std::abs(heading - step.heading);
   step.dense = step.dense && !AreSparse(duration, turned);
+  constexpr std::size_t kIntervals = 8;
+  intervals_.push_back(duration);
+  if (intervals_.size() > kIntervals) intervals_.pop_front();
   step.heading = heading;
   step.end = pose;
 }

@@ -147,7 +147,7 @@ class StepBuilder {
   /// Whether the curvature between the latest pose and the next one, so many seconds later, is not known.
   bool AreSparse(double seconds, double turned) const;
   /// The step under way reaches the next pose.
-  void GoOn(const StampedPose& pose, StepUnderWay& step) const;
+  void GoOn(const StampedPose& pose, StepUnderWay& step);
   VehicleStep Measure(const StampedPose& from, const StampedPose& to) const;
   /// As a step that ends where it is, at the pose `last`.
   VehicleStep StepOf(const StepUnderWay& under_way, int last) const;

@@ -97,24 +97,25 @@ MountReach ReachOf(const Mount& mount) {
   return {2 * mount.sigma.yaw, 2 * std::hypot(mount.sigma.pitch, mount.sigma.roll)};
 }
 
-// Whether a car can have turned like this: about its vertical.
-bool IsTurnOfCar(const GapRotationOptions& options, const Eigen::Quaterniond& rotation, const Mount& mount) {
+// The angle by which the car has turned to the right, rad; empty if it is not about its vertical.
+std::optional<double> TurnOfCar(const GapRotationOptions& options, const Eigen::Quaterniond& rotation,
+                                const Mount& mount) {
   const Eigen::Vector3d turn = mount.vehicle_from_camera * VectorFromRotation(rotation);
   const double tilt = std::hypot(turn.x(), turn.z());
-  return InDegrees(tilt - ReachOf(mount).tilt * std::abs(turn.y())) <= options.max_tilt_deg;
+  if (InDegrees(tilt - ReachOf(mount).tilt * std::abs(turn.y())) > options.max_tilt_deg) return std::nullopt;
+  return -turn.y();
 }
 
 // Whether a car can have moved like this.
 bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& second_from_first, const Mount& mount) {
-  if (!IsTurnOfCar(options, second_from_first.rotation, mount)) return false;
-  const Eigen::Vector3d turn = mount.vehicle_from_camera * VectorFromRotation(second_from_first.rotation);
+  const std::optional<double> turn = TurnOfCar(options, second_from_first.rotation, mount);
+  if (!turn) return false;
   const Eigen::Vector3d way = mount.vehicle_from_camera * second_from_first.inverse().translation;
-  // Both to the right. The direction may be the opposite one: that of a car that reverses, or of things in a row, where
-  // each is taken for the next.
+  // To the right. It may be the opposite one: that of a car that reverses, or of things in a row, where each is taken
+  // for the next.
   const double direction = std::atan2(way.z() < 0 ? -way.x() : way.x(), std::abs(way.z()));
-  const double heading = -turn.y();
   const double reach = options.max_direction_error_deg / kDegreesPerRadian + ReachOf(mount).yaw;
-  return direction >= std::min(heading, 0.0) - reach && direction <= std::max(heading, 0.0) + reach;
+  return direction >= std::min(*turn, 0.0) - reach && direction <= std::max(*turn, 0.0) + reach;
 }
 
 // Of the second image from the first.
@@ -125,7 +126,7 @@ std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& opti
   const Matches matches = MatchedPixels(options, camera, first, second);
   if (matches.count() < options.min_matches) return std::nullopt;
   if (const auto rotation = RotationAlone(options, pinhole, matches))
-    return IsTurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
+    return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
   const EssentialMotion motion = FindEssentialMotion(pinhole, matches.first, matches.second, matches.max_error);
   const auto agreeing = static_cast<std::size_t>(std::ranges::count(motion.inlier, 1));
   if (!AreEnough(options, agreeing, options.min_match_share, matches)) return std::nullopt;
