@@ -37,6 +37,10 @@ class ClipTail {
   /// shorter than 0.3 s, or if too little moves to tell.
   std::optional<double> RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const;
 
+  /// Whether images are missing between the last one and `first`, the first one of the next clip: these two differ by
+  /// much more than consecutive images of the tail do. Some gaps remain undetected; those of a car that stands do.
+  bool JumpsTo(const cv::Mat& first) const;
+
  private:
   struct Image {
     double time;

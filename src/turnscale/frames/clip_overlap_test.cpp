@@ -66,6 +66,16 @@ TEST(ClipTail, SaysNothingWhileTheCarStands) {
   EXPECT_FALSE(ClipTail().IsMoving());
 }
 
+TEST(ClipTail, SeesMissingImages) {
+  const ClipTail tail = TailOf(Noisy(MovingTestImages(0, 40)));
+  EXPECT_FALSE(tail.JumpsTo(Noisy(MovingTestImages(40, 1)).front()));
+  EXPECT_TRUE(tail.JumpsTo(Noisy(MovingTestImages(45, 1)).front()));
+  const std::vector<cv::Mat> still(40, MovingTestImages(0, 1).front());
+  EXPECT_FALSE(TailOf(Noisy(still)).JumpsTo(still.front()));
+  EXPECT_FALSE(TailOf(MovingTestImages(0, 5)).JumpsTo(MovingTestImages(50, 1).front())) << "too short to tell";
+  EXPECT_FALSE(ClipTail().JumpsTo(still.front()));
+}
+
 TEST(ClipTail, AllOfTheTailHasToBeRepeated) {
   const ClipTail tail = TailOf(MovingTestImages(0, 40));
   std::vector<cv::Mat> next = MovingTestImages(30, 5);

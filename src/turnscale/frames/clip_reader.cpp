@@ -96,6 +96,7 @@ ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const Cl
 
 void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   struct Failure {
+    std::filesystem::path path;
     size_t clip;  // that follows, of those that can be decoded
     std::string problem;
   };
@@ -107,7 +108,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
       // Opened once more when its turn comes: a decoder needs memory.
       if (!video_) video_ = std::move(video);
     } catch (const UnreadableVideo& error) {
-      failures.push_back({clips_.size(), error.what()});
+      failures.push_back({clip, clips_.size(), error.what()});
       left_out_.push_back(std::string(error.what()) + "; the clip is left out");
       continue;
     }
@@ -117,6 +118,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   if (options_.timed) recorded_.emplace(clips_, headers_);
   for (const Failure& failure : failures) {
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
+    if (failure.clip == clips_.size() && missing_end_.empty()) missing_end_ = failure.path;
     if (between && !(recorded_ && recorded_->AreInNames()))
       throw InputError(
           failure.problem +
@@ -218,7 +220,11 @@ void ClipReader::Close() {
   ends_early_ = why.empty() ? std::string() : before + ": " + why;
   if (why.empty() && options_.timed)
     AddSentence(notice_, LacksFrames(before, header, frames_, options_.fps.has_value()));
-  if (++clip_ == clips_.size()) return;
+  if (++clip_ == clips_.size()) {
+    if (ends_early_.empty() && !missing_end_.empty())
+      ends_early_ = NameOf(missing_end_) + ": cannot be decoded: the end of the drive is missing";
+    return;
+  }
   AddSentence(notice_, ends_early_);
   if (!options_.timed) return;
   if (recorded_->Guessed() == clip_) {
@@ -231,24 +237,38 @@ void ClipReader::Close() {
   // What is missing of a damaged clip is a gap, too.
   if (gap == 0 && !ends_early_.empty() && !options_.fps) gap = std::max(Length(header) - seconds, 0.0);
   if (gap > 0) {
-    gap_ += gap;
-    AddSentence(notice_, fmt::format("gap of {:.1f} s between {} and {} (at {:.1f} s of the drive)", gap, before,
-                                     NameOf(clips_[clip_]), begin_ + seconds));
-    begin_ += seconds + gap;
+    BeginAfterGap(seconds, gap, "");
   } else {
     BeginNext(seconds);
   }
   tail_.Clear();
 }
 
-// Of the next clip: when it begins, and which of its images are new. The one before lasts for `seconds`.
+// The next clip begins so many seconds after the end of the one before, which lasts for `seconds`.
+void ClipReader::BeginAfterGap(double seconds, double gap, const std::string& why) {
+  gap_ += gap;
+  AddSentence(notice_, fmt::format("gap of {:.1f} s between {} and {} (at {:.1f} s of the drive){}", gap,
+                                   NameOf(clips_[clip_ - 1]), NameOf(clips_[clip_]), begin_ + seconds, why));
+  begin_ += seconds + gap;
+}
+
+// Of the next clip, as its images tell: when it begins, and which of them are new. The one before lasts for `seconds`.
 void ClipReader::BeginNext(double seconds) {
   VideoFile next(clips_[clip_]);
   VideoClock clock(options_.fps.value_or(next.header().rate), next.header().tick);
+  cv::Mat first;
   const std::optional<double> begin = tail_.RepeatedBy([&]() -> std::optional<ClipImage> {
     if (!next.Advance()) return std::nullopt;
-    return ClipImage{clock.Next(options_.fps ? std::nullopt : next.Stamp()), next.Gray()};
+    const ClipImage image{clock.Next(options_.fps ? std::nullopt : next.Stamp()), next.Gray()};
+    if (first.empty()) first = image.gray.clone();
+    return image;
   });
+  const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
+  const bool jumps = !begin && recorded == 0 && !first.empty() && tail_.JumpsTo(first);
+  if (const double gap = jumps ? recorded_->GapAtJump(clip_ - 1, seconds) : 0; gap > 0) {
+    BeginAfterGap(seconds, gap, ": the images show it, its length is known to a second");
+    return;
+  }
   const double end = begin_ + seconds;
   begin_ = begin.value_or(end);
   const std::string name = NameOf(clips_[clip_]);
@@ -260,13 +280,24 @@ void ClipReader::BeginNext(double seconds) {
                            end - *begin, before);
     return;
   }
-  const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
   if (recorded > 0 && recorded <= kLongestOverlap && tail_.IsMoving()) {
     AddSentence(notice_,
                 fmt::format("{} begins {:.1f} s before {} ends, by the times of recording, but does not repeat "
                             "its images: is it of another camera?",
                             name, recorded, before));
+  } else if (jumps && recorded_->Guessed() != clip_) {
+    AddSentence(notice_, fmt::format("images are missing between {} and {} (at {:.1f} s of the drive); for how long is "
+                                     "not known: the path is too short there",
+                                     before, name, end));
   }
+}
+
+// The notice where the start that was asked for lies in the gap before the first image that is given.
+std::string ClipReader::StartsInGap(double time) const {
+  const double late = time - options_.start;
+  if (late <= kLeastGap) return {};
+  return fmt::format("--start lies in a gap of {:.1f} s: the path begins {:.1f} s later, at {:.1f} s of the drive",
+                     gap_, late, time);
 }
 
 std::optional<DriveImage> ClipReader::Read() {
@@ -294,8 +325,9 @@ std::optional<DriveImage> ClipReader::Read() {
     image.clip = static_cast<int>(clip_);
     const bool first = !std::exchange(begun_, true);
     if (!first) image.gap = gap_;
+    const std::string late = first && passed_ > 1 && gap_ > 0 ? StartsInGap(*image.time) : std::string();
     // Before the first image: of clips of which no frame could be decoded.
-    if (!first || passed_ == 1) image.notice = notice_;
+    image.notice = !first || passed_ == 1 ? notice_ : late;
     if (!first && !overlap_.empty() && !std::exchange(overlap_named_, true)) AddSentence(image.notice, overlap_);
     overlap_.clear();
     if (first) {

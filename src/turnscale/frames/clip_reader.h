@@ -64,12 +64,15 @@ class ClipReader : public FrameReader {
   void PassOverStart();
   std::optional<double> EndByStamps() const;
   std::optional<double> TimeNext();
+  std::string StartsInGap(double time) const;
   void BeginNext(double seconds);
+  void BeginAfterGap(double seconds, double gap, const std::string& why);
 
   std::vector<std::filesystem::path> clips_;
   ClipOptions options_;
   std::vector<VideoHeader> headers_;
   std::vector<std::string> left_out_;
+  std::filesystem::path missing_end_;  // the first of the clips that are left out at the end
   std::optional<RecordingTimes> recorded_;
   int count_ = 0;
 

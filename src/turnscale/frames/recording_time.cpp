@@ -148,6 +148,17 @@ double RecordingTimes::GapAfter(size_t clip, double duration) const {
   return pause > kResolution ? pause : 0;
 }
 
+double RecordingTimes::GapAtJump(size_t clip, double duration) const {
+  // A shorter one is hardly seen.
+  constexpr double kLeast = 0.5;  // s
+  if (clip + 1 >= starts_.size() || Coincides(clip + 1)) return 0;
+  const double between = starts_[clip + 1] - starts_[clip];
+  const double by_starts = between - duration;
+  // Creation times are those of the beginning of the clips or of their end.
+  const double by_ends = by_name_ ? kLeast : between - durations_[clip + 1];
+  return std::max(by_starts > kLongestPause ? kLeast : by_starts, std::max(by_ends, kLeast));
+}
+
 double RecordingTimes::OverlapAfter(size_t clip, double duration) const {
   if (clip + 1 >= starts_.size()) return 0;
   const double pause = PauseAfter(clip, duration);

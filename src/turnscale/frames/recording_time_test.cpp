@@ -94,6 +94,22 @@ TEST(RecordingTimes, CreationTimesStandInForNames) {
             std::string::npos);
 }
 
+TEST(RecordingTimes, MissingImagesTellWhatThePauseIs) {
+  const RecordingTimes named({"20230501_120000.mp4", "20230501_120101.mp4"}, {Header(60), Header(60)});
+  EXPECT_EQ(named.GapAfter(0, 60), 0);
+  EXPECT_DOUBLE_EQ(named.GapAtJump(0, 60), 1);
+  EXPECT_DOUBLE_EQ(named.GapAtJump(0, 60.9), 0.5) << "times are rounded down";
+  EXPECT_EQ(named.GapAtJump(1, 60), 0) << "no other clip";
+  const std::vector<std::filesystem::path> clips = {"a.mp4", "b.mp4"};
+  EXPECT_EQ(RecordingTimes(clips, {Header(60), Header(60)}).GapAtJump(0, 60), 0) << "nothing tells";
+  // The second clip is as long as the time between the two: written at its end, or after a gap.
+  const RecordingTimes ambiguous(clips, {Header(7, kMayNoon), Header(9, kMayNoon + 9)});
+  EXPECT_EQ(ambiguous.GapAfter(0, 7), 0);
+  EXPECT_DOUBLE_EQ(ambiguous.GapAtJump(0, 7), 2);
+  const RecordingTimes closed(clips, {Header(60, kMayNoon), Header(20, kMayNoon + 21)});
+  EXPECT_DOUBLE_EQ(closed.GapAtJump(0, 60), 1);
+}
+
 TEST(RecordingTimes, ChaptersWithOneCreationTimeFollowOneAnother) {
   const RecordingTimes times({"GX010123.MP4", "GX020123.MP4", "GX030123.MP4", "GX010124.MP4", "GX020124.MP4"},
                              {Header(708, kMayNoon), Header(708, kMayNoon), Header(20, kMayNoon + 1),
