@@ -34,6 +34,7 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   tracks_ = std::move(tracks);
   lost_tracks_.clear();
   last_image_time_.reset();
+  last_interval_.reset();
   sampled_.reset();
   stands_since_.reset();
   has_stood_ = false;
@@ -82,11 +83,25 @@ TrackedFrame FrameTracker::Track(const Map& map, FlowImage& image, const MotionM
   }
   sampled_.reset();
   tracks_ = std::move(tracked.tracks.found);
+  if (FollowsGap(time)) DropWithoutDepth(map);
   lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
+  if (last_image_time_) last_interval_ = time - *last_image_time_;
   last_image_time_ = time;
   NoticeStanding(map, tracked.estimate.inliers, time);
   return frame;
+}
+
+bool FrameTracker::FollowsGap(double time) const {
+  // The next image of a video at a low rate follows no gap.
+  constexpr double kMuchLonger = 3;
+  if (!last_image_time_ || !last_interval_) return false;
+  const double interval = time - *last_image_time_;
+  return interval > options_.tracking.max_lost_seconds && interval > kMuchLonger * *last_interval_;
+}
+
+void FrameTracker::DropWithoutDepth(const Map& map) {
+  std::erase_if(tracks_, [&](const FeatureTrack& track) { return !map.landmarks[track.landmark].valid; });
 }
 
 std::vector<ObservedMotion> FrameTracker::DropStatic(const Map& map, const RigidTransform& camera_from_world) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/frame_tracker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -83,6 +84,37 @@ TEST_F(FrameTracking, FindsThePose) {
   EXPECT_EQ(frame.tracked, static_cast<int>(tracker_.tracks().size()));
   // A twentieth of a pixel.
   EXPECT_LT((frame.camera_from_world->translation - Moved(6.4).translation).norm(), 0.05 * kWallDepth / 400);
+}
+
+TEST_F(FrameTracking, OpticalFlowAloneFollowsNothingAcrossAGap) {
+  constexpr int kEvery = 3;
+  for (size_t i = 0; i < map_.landmarks.size(); i += kEvery) map_.landmarks[i].valid = false;
+  const auto without_depth = [&] {
+    return std::ranges::count_if(tracker_.tracks(),
+                                 [&](const FeatureTrack& track) { return !map_.landmarks[track.landmark].valid; });
+  };
+  const auto track = [&](double pixels, double time) {
+    const TrackedFrame frame = Track(Seen(pixels), Moved(pixels), time);
+    ASSERT_TRUE(frame.camera_from_world);
+    motion_.Update(time, *frame.camera_from_world);
+  };
+  track(2, kInterval);
+  EXPECT_GT(without_depth(), 0);
+  track(4, 2 * kInterval);
+  EXPECT_GT(without_depth(), 0);
+  track(6, 2);
+  EXPECT_EQ(without_depth(), 0);
+  EXPECT_FALSE(tracker_.tracks().empty());
+}
+
+TEST_F(FrameTracking, AVideoAtALowRateHasNoGaps) {
+  map_.landmarks.front().valid = false;
+  for (int i = 1; i <= 3; ++i) {
+    const TrackedFrame frame = Track(Seen(2 * i), Moved(2 * i), i);
+    ASSERT_TRUE(frame.camera_from_world);
+    motion_.Update(i, *frame.camera_from_world);
+  }
+  EXPECT_TRUE(std::ranges::any_of(tracker_.tracks(), [&](const FeatureTrack& track) { return track.landmark == 0; }));
 }
 
 TEST_F(FrameTracking, AParallaxFollowsTheUnitOfLength) {
