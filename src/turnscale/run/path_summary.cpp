@@ -69,12 +69,13 @@ FrameCounts FrameCountsOf(const std::vector<FrameResult>& frames) {
 }
 
 PathSummary PathSummaryOf(const std::vector<FrameResult>& frames, const std::vector<int>& repeated,
-                          const SeenImages& seen) {
+                          const SeenImages& seen, double lever_arm) {
   PathSummary path;
   path.seconds = frames.empty() ? 0 : frames.back().time - frames.front().time;
   path.missing = FindMissingParts(frames);
   MeasurePath(frames, path);
   path.impossible = FindImpossibleMotion(frames);
+  path.impossible_directions = FindImpossibleDirections(frames, lever_arm);
   path.uncertain = FindUncertainScale(frames);
   path.frozen = FindFrozenParts(frames, repeated);
   path.beginning = FindBeginning(frames, seen, path.uncertain);

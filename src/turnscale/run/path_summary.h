@@ -6,6 +6,7 @@
 
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/impossible_direction.h"
 #include "turnscale/run/impossible_motion.h"
 #include "turnscale/run/missing_path.h"
 #include "turnscale/run/uncertain_scale.h"
@@ -35,19 +36,20 @@ struct UnmappedBeginning {
 /// The path of a drive, and what is doubtful in it. Lengths are in metres where the scale is known, else in the
 /// arbitrary unit of the poses.
 struct PathSummary {
-  double seconds = 0;                          ///< from the first frame to the last
-  double distance = 0;                         ///< its length
-  std::vector<MissingPart> missing;            ///< where it is not measured
-  double missing_distance = 0;                 ///< part of `distance` that lies there, interpolated or extrapolated
-  std::vector<ImpossibleMotion> impossible;    ///< parts that no car has driven
-  std::optional<UncertainScale> uncertain;     ///< parts whose scale is hardly known
-  std::vector<FrozenPart> frozen;              ///< parts in which the picture is frozen
+  double seconds = 0;                        ///< from the first frame to the last
+  double distance = 0;                       ///< its length
+  std::vector<MissingPart> missing;          ///< where it is not measured
+  double missing_distance = 0;               ///< part of `distance` that lies there, interpolated or extrapolated
+  std::vector<ImpossibleMotion> impossible;  ///< parts that no car has driven: by its speed
+  std::vector<ImpossibleDirection> impossible_directions;  ///< the same, by its direction
+  std::optional<UncertainScale> uncertain;                 ///< parts whose scale is hardly known
+  std::vector<FrozenPart> frozen;                          ///< parts in which the picture is frozen
   std::optional<UnmappedBeginning> beginning;  ///< empty if the path begins with the drive, or the car waits
 };
 
 /// `frames`: refined. `repeated`: those that were taken for repeated images online, ascending. `seen`: the images
-/// before the map.
+/// before the map. `lever_arm`: metres; 0 if it is unknown.
 PathSummary PathSummaryOf(const std::vector<FrameResult>& frames, const std::vector<int>& repeated = {},
-                          const SeenImages& seen = {});
+                          const SeenImages& seen = {}, double lever_arm = 0);
 
 }  // namespace turnscale

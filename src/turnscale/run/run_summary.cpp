@@ -17,7 +17,7 @@ RunSummary SummaryOf(DriveFacts drive, const std::vector<FrameResult>& frames, c
   summary.frames = FrameCountsOf(frames);
   // Results that could not be computed have no frames.
   summary.frames.total = std::max(summary.frames.total, known.processed);
-  summary.path = PathSummaryOf(frames, known.repeated, known.seen);
+  summary.path = PathSummaryOf(frames, known.repeated, known.seen, known.vehicle.lever_arm.value_or(0.0));
   summary.scale = ScaleSummaryOf(known, frames, scale, summary.path);
   summary.car = CarSummaryOf(scale, known.camera_angles().yaw);
   summary.warnings = RunWarnings(summary, frames, scale);

@@ -225,6 +225,7 @@ std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vect
   warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, seams), first_time));
   warnings.push_back(UnknownTurnWarning(drive.restarts, first_time));
   warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
+  warnings.push_back(ImpossibleDirectionText(path.impossible_directions, first_time));
   if (path.uncertain) warnings.push_back(UncertainScaleText(SinceFirst(*path.uncertain, first_time), path.distance));
   if (drive.given.pose_frame == "vehicle" && !summary.scale.is_metric())
     warnings.emplace_back(

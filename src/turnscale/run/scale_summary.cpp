@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/run/impossible_direction.h"
 #include "turnscale/run/impossible_motion.h"
 #include "turnscale/run/missing_path.h"
 
@@ -29,7 +30,8 @@ void FindWorstSigma(const std::vector<FrameResult>& frames, ScaleSummary& summar
 void FindPathSigma(const RefinedScale& scale, const PathSummary& path, ScaleSummary& summary) {
   const double distance = std::max(path.distance, 1e-9);
   const double of_uncertain = path.uncertain ? path.uncertain->length_error() : 0;
-  const double length_error = std::hypot(LengthErrorOf(path.impossible), of_uncertain);
+  const double length_error =
+      std::hypot(LengthErrorOf(path.impossible), LengthErrorOf(path.impossible_directions), of_uncertain);
   summary.sigma = std::hypot(LengthSigma(scale), length_error / distance);
   summary.path_sigma = std::hypot(summary.sigma, scale.gap_sigma / distance);
   if (path.beginning) summary.path_sigma = std::hypot(summary.path_sigma, path.beginning->length / distance);
