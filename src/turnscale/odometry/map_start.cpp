@@ -55,9 +55,11 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   // A map that has just started knows the depth of near points only. What has none is farther than the nearest quarter.
   const Keyframe& last = map.keyframes.back();
   std::vector<double> depths;
+  std::vector<double> known_depths;
   for (const KeyframeObservation& seen : last.observations) {
     const Landmark& landmark = map.landmarks[seen.landmark];
-    depths.push_back(landmark.valid ? (last.camera_from_world * landmark.position).z() : HUGE_VAL);
+    if (landmark.valid) known_depths.push_back((last.camera_from_world * landmark.position).z());
+    depths.push_back(landmark.valid ? known_depths.back() : HUGE_VAL);
   }
   std::vector<double> new_depths;
   for (const int feature : start.frames.back().features)
@@ -71,7 +73,10 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   const double second = start.frames.back().time;
   UnitGuess from_speed;
   for (const PastSpeed& past : motion.PastSpeeds()) {
-    const double sigma = motion.SpeedSigma(past, 0.5 * (first + second), std::isfinite(depth) ? depth : 0.0);
+    // Without any depth, nothing tells whether the speed is more than the noise of a car that stands.
+    if (known_depths.empty()) break;
+    const double scene_depth = std::isfinite(depth) ? depth : Quantile(known_depths, kNearQuarter);
+    const double sigma = motion.SpeedSigma(past, 0.5 * (first + second), scene_depth);
     if (!(sigma < from_speed.sigma)) continue;
     from_speed = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
   }

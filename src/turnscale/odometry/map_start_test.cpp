@@ -139,6 +139,25 @@ TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
   EXPECT_GT(faster.sigma, both.sigma);
 }
 
+// As behind a lorry that hides most of the scene from a car that waits.
+TEST(MapStart, NoiseOfStandingIsNoSpeedWhereFewDepthsAreKnown) {
+  const Start before = GoingAhead(5, 2, 20);
+  Map map = EmptyMap();
+  AddStart(before.map, {}, map);
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i)
+    if (i % 10 != 0) map.landmarks[i].valid = false;
+  const auto standing = [&](double noise) {
+    MotionModel motion;
+    motion.Update(5, RigidTransform{});
+    motion.Update(5.1, {Eigen::Quaterniond::Identity(), {0, 0, -noise}});
+    return UnitAfterGap({}, map, motion, GoingAhead(6, 1, 10).map);
+  };
+  EXPECT_GE(standing(0.005).sigma, 1) << "nothing is known";
+  EXPECT_LT(standing(1.0).sigma, 0.5);
+  for (Landmark& landmark : map.landmarks) landmark.valid = false;
+  EXPECT_GE(standing(1.0).sigma, 1) << "no depth at all";
+}
+
 TEST(MapStart, AfterAGapTheCarHasTurnedAsImagesOrRatesShow) {
   Start start = GoingAhead(7, 2, 10);
   MotionModel motion;
