@@ -70,6 +70,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     auto& o = options.estimator.test;
     visitor.Field("min_probability", o.min_probability);
     visitor.Field("max_prior_deviation", o.max_prior_deviation);
+    visitor.Field("max_turn_deviation", o.max_turn_deviation);
     visitor.Field("min_disagreement", o.min_disagreement);
   });
   visitor.Group("stabilisation", [&] {

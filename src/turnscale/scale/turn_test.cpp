@@ -29,6 +29,7 @@ void TurnTestOptions::Check() const {
   if (!(min_probability > 0 && min_probability < 0.5))
     throw InputError("min_probability: has to be above 0 and below 0.5");
   if (!(max_prior_deviation > 0)) throw InputError("max_prior_deviation: has to be positive");
+  if (!(max_turn_deviation > 0)) throw InputError("max_turn_deviation: has to be positive");
   if (!(min_disagreement >= 0)) throw InputError("min_disagreement: must not be negative");
 }
 
@@ -61,9 +62,11 @@ TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
   }
   if (weights > 0) test.disagreement /= weights;
   test.inflation = InflationOf(test.chi_squared, test.degrees_of_freedom);
-  const bool scatter = ExceedsChance(test.chi_squared, test.degrees_of_freedom, options);
-  test.contradicted = (scatter || std::abs(input.slip_deviation) > options.max_prior_deviation) &&
-                      test.disagreement > options.min_disagreement;
+  // A single turn has nothing to deviate from but what is assumed of the car.
+  const bool deviates = input.deviations.size() > 1 && worst > options.max_turn_deviation;
+  const bool is_inconsistent = ExceedsChance(test.chi_squared, test.degrees_of_freedom, options) ||
+                               std::abs(input.slip_deviation) > options.max_prior_deviation || deviates;
+  test.contradicted = is_inconsistent && test.disagreement > options.min_disagreement;
   return test;
 }
 

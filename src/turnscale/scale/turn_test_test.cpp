@@ -72,6 +72,16 @@ TEST(TurnTest, ChanceIsCalledAContradictionAsOftenAsItMay) {
   EXPECT_NEAR(contradicted / static_cast<double>(kDraws), 0.02, 0.004);
 }
 
+TEST(TurnTest, OneTurnThatDeviatesByFarIsAContradiction) {
+  TurnTestInput input = Alike(4, 0.3, 0);
+  input.differences[0] = 3;
+  EXPECT_FALSE(TestTurns(input, {}).contradicted);
+  input.deviations[0] = -18;
+  const TurnTest test = TestTurns(input, {});
+  EXPECT_TRUE(test.contradicted);
+  EXPECT_EQ(test.worst_turn, 0);
+}
+
 TEST(TurnTest, WhatIsTooSmallToMatterIsNoContradiction) {
   EXPECT_TRUE(TestTurns(Alike(10, 200, 0.06), {}).contradicted);
   EXPECT_TRUE(TestTurns(Alike(10, 200, -0.06), {}).contradicted);
@@ -124,6 +134,7 @@ TEST(TurnTest, RefusesSenselessOptions) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.min_probability = 0; }), "min_probability");
   EXPECT_EQ(refused([](auto& o) { o.max_prior_deviation = 0; }), "max_prior_deviation");
+  EXPECT_EQ(refused([](auto& o) { o.max_turn_deviation = 0; }), "max_turn_deviation");
   EXPECT_EQ(refused([](auto& o) { o.min_disagreement = -1; }), "min_disagreement");
 }
 
