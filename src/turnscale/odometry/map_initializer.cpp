@@ -23,7 +23,7 @@ constexpr int kFewestStatic = 10;
 // this, in the motion that counts as none.
 constexpr double kMostMotionShare = 1.5;
 // Least share of a car's motion along the camera's axis, which points within 60 degrees of it. A lorry that passes
-// before a car that waits moves sideways.
+// before a car that waits moves sideways, and may fill the image.
 constexpr double kLeastAhead = 0.5;
 
 bool IsOfCar(const RigidTransform& second_from_first) {
@@ -165,7 +165,12 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
 MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
-  if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
+  if (std::ranges::count(still, 1) < kFewestStatic) {
+    TwoViewResult all = MatchWithout(none);
+    if (all.status == TwoViewStatus::kInitialized && !IsOfCar(all.second_from_first))
+      all.status = TwoViewStatus::kFailed;
+    return {all, none, false};
+  }
   const TwoViewResult moving = MatchWithout(still);
   const bool drives = moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
