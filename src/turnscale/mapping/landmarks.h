@@ -15,12 +15,16 @@ struct LandmarkOptions {
   double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
+  /// Least depth of a new landmark, as a share of the median depth of those that have one: what passes before a car that
+  /// stands would get a tiny depth from the noise of its pose.
+  double min_depth_share = 0.02;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// Gives a depth to those of the landmarks that have none yet and are seen by now under enough parallax.
+/// Gives a depth to those of the landmarks that have none yet and are seen by now under enough parallax. The latest
+/// keyframe sees all of them, also those that have one.
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map);
 
 /// Reprojection error of a point in an image, pixels; infinite where it lies behind the camera.

@@ -112,6 +112,21 @@ TEST(Landmarks, NoDepthWhereAViewBetweenDisagrees) {
   EXPECT_TRUE(map.landmarks[landmark].valid) << "within the reprojection error it counts";
 }
 
+// What moves fast before a camera that stands seems to be very near, as the baseline is noise.
+TEST(Landmarks, NoDepthFarBelowThatOfTheOthers) {
+  Map map = RowOfCameras(3);
+  std::vector<int> landmarks;
+  for (int i = 0; i < 12; ++i) landmarks.push_back(AddSeen({0.5 * i - 3, 0.2, 100}, true, map));
+  const int near_one = AddSeen({0, 0, 1.9}, false, map);
+  const int other = AddSeen({0, 0, 2.1}, false, map);
+  landmarks.insert(landmarks.end(), {near_one, other});
+  TriangulateLandmarks({}, landmarks, map);
+  EXPECT_FALSE(map.landmarks[near_one].valid);
+  EXPECT_TRUE(map.landmarks[other].valid);
+  TriangulateLandmarks({}, {near_one}, map);
+  EXPECT_TRUE(map.landmarks[near_one].valid) << "where there are no others";
+}
+
 TEST(Landmarks, ReprojectionErrorInPixels) {
   Map map = RowOfCameras(2);
   const int landmark = AddSeen({0.2, 0.1, 5}, true, map);
@@ -166,6 +181,7 @@ TEST(Landmarks, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax = -1; }), "min_parallax");
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.max_reprojection_error = std::nan(""); }),
             "max_reprojection_error");
+  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_depth_share = 1; }), "min_depth_share");
 }
 
 }  // namespace

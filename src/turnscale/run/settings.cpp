@@ -185,6 +185,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
     visitor.Field("min_parallax", o.min_parallax);
     visitor.Field("max_reprojection_error", o.max_reprojection_error);
+    visitor.Field("min_depth_share", o.min_depth_share);
   });
   for (const auto& [name, bundle] :
        {std::pair{"local_bundle", &options.local_bundle}, std::pair{"turn_bundle", &options.turn_bundle},
