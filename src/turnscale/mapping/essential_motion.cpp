@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/essential_motion.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -13,19 +16,51 @@
 #include "turnscale/geometry/triangulation.h"
 
 namespace turnscale {
+namespace {
+
+std::vector<cv::Point2d> AtDepthOne(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<cv::Point2d> points;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const Eigen::Vector3d ray = pinhole.Ray(pixel);
+    points.emplace_back(ray.x(), ray.y());
+  }
+  return points;
+}
+
+std::vector<cv::Point2d> InliersOf(const EssentialMotion& motion, const std::vector<cv::Point2d>& points) {
+  std::vector<cv::Point2d> inliers;
+  for (std::size_t i = 0; i < motion.inlier.size(); ++i)
+    if (motion.inlier[i] != 0) inliers.push_back(points[i]);
+  return inliers;
+}
+
+// The points that most of a plane's points agree with, and the homography; empty where there is none.
+struct PlaneFit {
+  cv::Mat homography;  // 3x3, second from first
+  double share = 0;    // of the points that lie on the plane
+};
+
+PlaneFit FitPlane(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double max_error) {
+  cv::Mat mask;
+  PlaneFit fit{.homography = cv::findHomography(first, second, cv::RANSAC, max_error, mask)};
+  if (!fit.homography.empty())
+    fit.share = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(first.size());
+  return fit;
+}
+
+// Whether the camera sees the side of the plane with this normal wherever the points are.
+bool IsBefore(const cv::Mat& normal, const std::vector<cv::Point2d>& points) {
+  const cv::Point3d n(normal.at<double>(0), normal.at<double>(1), normal.at<double>(2));
+  const auto before = std::ranges::count_if(points, [&](const cv::Point2d& x) { return n.dot({x.x, x.y, 1}) > 0; });
+  return 2 * before > static_cast<std::ptrdiff_t>(points.size());
+}
+
+}  // namespace
 
 EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& first,
                                     const std::vector<Eigen::Vector2d>& second, double max_error) {
-  const auto at_depth_one = [&](const std::vector<Eigen::Vector2d>& pixels) {
-    std::vector<cv::Point2d> points;
-    for (const Eigen::Vector2d& pixel : pixels) {
-      const Eigen::Vector3d ray = pinhole.Ray(pixel);
-      points.emplace_back(ray.x(), ray.y());
-    }
-    return points;
-  };
-  const std::vector<cv::Point2d> a = at_depth_one(first);
-  const std::vector<cv::Point2d> b = at_depth_one(second);
+  const std::vector<cv::Point2d> a = AtDepthOne(pinhole, first);
+  const std::vector<cv::Point2d> b = AtDepthOne(pinhole, second);
   constexpr double kConfidence = 0.9999;
   cv::Mat mask;
   const cv::Mat identity = cv::Mat::eye(3, 3, CV_64F);
@@ -59,9 +94,28 @@ double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vect
   }
   // Any four are.
   if (a.size() < kFewest) return 1;
-  cv::Mat mask;
-  if (cv::findHomography(a, b, cv::RANSAC, max_error, mask).empty()) return 0;
-  return static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(a.size());
+  return FitPlane(a, b, max_error).share;
+}
+
+bool MayBePassingVehicle(const Pinhole& pinhole, const EssentialMotion& motion,
+                         const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
+                         double max_error) {
+  constexpr double kNearlyAll = 0.9;
+  constexpr double kSideways = 0.7;  // share of the motion along the x axis
+  const std::vector<cv::Point2d> a = InliersOf(motion, AtDepthOne(pinhole, first));
+  const std::vector<cv::Point2d> b = InliersOf(motion, AtDepthOne(pinhole, second));
+  const PlaneFit plane = FitPlane(a, b, max_error / pinhole.fx);
+  if (plane.share < kNearlyAll) return false;
+  std::vector<cv::Mat> rotations;
+  std::vector<cv::Mat> translations;
+  std::vector<cv::Mat> normals;
+  const int motions =
+      cv::decomposeHomographyMat(plane.homography, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
+  for (int i = 0; i < motions; ++i) {
+    const cv::Mat travel = rotations[i].t() * translations[i];
+    if (IsBefore(normals[i], a) && std::abs(travel.at<double>(0)) > kSideways * cv::norm(travel)) return true;
+  }
+  return false;
 }
 
 std::optional<TwoViewGeometry> AdjustTwoViews(const Pinhole& pinhole, const EssentialMotion& motion,

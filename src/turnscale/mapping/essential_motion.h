@@ -30,6 +30,12 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
 double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vector2d>& first,
                     const std::vector<Eigen::Vector2d>& second, double max_error);
 
+/// Whether the inliers of a motion may be the side of a vehicle that passes before a camera that stands: nearly all of
+/// them lie on one plane, and one of the two motions that a plane allows is sideways.
+bool MayBePassingVehicle(const Pinhole& pinhole, const EssentialMotion& motion,
+                         const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
+                         double max_error);
+
 /// Motion between two views and what they show, adjusted together.
 struct TwoViewGeometry {
   RigidTransform second_from_first;  ///< in a unit of length of its own

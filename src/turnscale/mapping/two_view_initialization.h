@@ -49,6 +49,7 @@ struct TwoViewResult {
   double motion = 0;    ///< median motion of the features, pixels
   double parallax = 0;  ///< motion that a quarter exceed after the best pure rotation, pixels; 0 at standstill
   RigidTransform second_from_first;
+  bool may_be_passing_vehicle = false;  ///< MayBePassingVehicle
   std::vector<char> triangulated;       ///< one flag per match
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
 };

@@ -186,7 +186,7 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
 
 std::optional<InitialMap> MapInitializer::TryTwoViews() const {
   const auto [views, left_out, has_still] = MatchViews();
-  if (views.status != TwoViewStatus::kInitialized) return std::nullopt;
+  if (views.status != TwoViewStatus::kInitialized || views.may_be_passing_vehicle) return std::nullopt;
 
   InitialMap map;
   map.frames = frames_;
