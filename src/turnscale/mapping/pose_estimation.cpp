@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/pose_estimation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -28,9 +31,25 @@ struct Normal {
   Vector6d gradient = Vector6d::Zero();
 };
 
+// Of each sighting, by how many there are in its cell.
+std::vector<double> Weights(const PoseEstimationOptions& options, const Pinhole& pinhole,
+                            const std::vector<PointSighting>& sightings) {
+  const double size = pinhole.fx / kCellsPerFocalLength;
+  std::vector<std::pair<int, int>> cells;
+  cells.reserve(sightings.size());
+  for (const PointSighting& sighting : sightings)
+    cells.emplace_back(std::lround(sighting.pixel.x() / size), std::lround(sighting.pixel.y() / size));
+  std::map<std::pair<int, int>, int> counts;
+  for (const auto& cell : cells) ++counts[cell];
+  std::vector<double> weights;
+  weights.reserve(sightings.size());
+  for (const auto& cell : cells) weights.push_back(std::min(1.0, options.max_cell_weight / counts[cell]));
+  return weights;
+}
+
 Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
-                   const std::vector<PointSighting>& sightings, const std::vector<char>& used,
-                   const RigidTransform& camera_from_world) {
+                   const std::vector<PointSighting>& sightings, const std::vector<double>& weights,
+                   const std::vector<char>& used, const RigidTransform& camera_from_world) {
   Normal normal;
   const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
   for (size_t i = 0; i < sightings.size(); ++i) {
@@ -40,7 +59,7 @@ Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
     const double inverse_depth = 1.0 / x.z();
     const Eigen::Vector2d residual = pinhole.Project(x) - sightings[i].pixel;
     const double error = residual.norm();
-    const double weight = error > options.huber_threshold ? options.huber_threshold / error : 1.0;
+    const double weight = error > options.huber_threshold ? weights[i] * options.huber_threshold / error : weights[i];
     // Derivatives of the pixel's two coordinates by the position: (a, 0, b) and (0, c, d); by the rotation about the
     // camera: minus that times the cross product with the point. One about the world's origin would move a camera far
     // from it by the square of the angle times the distance.
@@ -83,6 +102,7 @@ bool Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, cons
 void PoseEstimationOptions::Check() const {
   if (!(inlier_threshold > 0)) throw InputError("inlier_threshold: has to be positive");
   if (!(huber_threshold > 0)) throw InputError("huber_threshold: has to be positive");
+  if (!(max_cell_weight > 0)) throw InputError("max_cell_weight: has to be positive");
   if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
 }
 
@@ -91,11 +111,13 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
   PoseEstimate estimate;
   estimate.camera_from_world = initial;
   estimate.inlier.assign(sightings.size(), 1);
+  const std::vector<double> weights = Weights(options, pinhole, sightings);
   const double distance = TypicalDistance(sightings, initial);
   for (int round = 0; round < kRounds; ++round) {
     bool settled = false;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-      const Normal normal = BuildNormal(options, pinhole, sightings, estimate.inlier, estimate.camera_from_world);
+      const Normal normal =
+          BuildNormal(options, pinhole, sightings, weights, estimate.inlier, estimate.camera_from_world);
       const Eigen::LDLT<Matrix6d> factor(normal.matrix);
       const Vector6d step = -factor.solve(normal.gradient);
       if (factor.info() != Eigen::Success || !step.allFinite()) break;
@@ -106,6 +128,13 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
     }
     if (!Classify(options, pinhole, sightings, estimate) && settled) break;
   }
+  double all = 0;
+  double agreeing = 0;
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    all += weights[i];
+    if (estimate.inlier[i] != 0) agreeing += weights[i];
+  }
+  estimate.inlier_share = all > 0 ? agreeing / all : 0;
   return estimate;
 }
 

@@ -10,6 +10,9 @@
 
 namespace turnscale {
 
+/// The image is divided into square cells with this many to a focal length, about 7 degrees each.
+constexpr double kCellsPerFocalLength = 8;
+
 /// A known point and where a frame saw it.
 struct PointSighting {
   Eigen::Vector3d x_in_world = Eigen::Vector3d::Zero();
@@ -21,6 +24,9 @@ struct PoseEstimationOptions {
   double inlier_threshold = 2.0;
   /// Errors beyond this many pixels weigh linearly (Huber).
   double huber_threshold = 0.8;
+  /// Weight of all sightings in a part of the image (kCellsPerFocalLength), as so many: a vehicle ahead, whose points
+  /// stay in sight while those of the scene come and go, does not outvote the scene.
+  double max_cell_weight = 2;
   int max_iterations = 10;  ///< of each of the rounds of refitting to the inliers
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -31,6 +37,7 @@ struct PoseEstimate {
   RigidTransform camera_from_world;
   std::vector<char> inlier;  ///< one flag per sighting
   int inliers = 0;
+  double inlier_share = 0;  ///< of all sightings, by their weights
 };
 
 /// The camera pose that reprojects the points best: Gauss-Newton with a robust loss, refitted to the inliers a few

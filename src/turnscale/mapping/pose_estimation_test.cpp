@@ -61,6 +61,29 @@ TEST(PoseEstimation, OutliersLoseTheirSay) {
   EXPECT_EQ(estimate.inliers, 140);
 }
 
+// As those of a vehicle ahead, whose landmarks stay in sight.
+TEST(PoseEstimation, ManyPointsInOnePlaceDoNotOutvoteTheOthers) {
+  Scene scene = MakeScene(80, 0.3, 6);
+  const RigidTransform moved = Disturbed(scene.camera_from_world);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> within(0, 150);
+  for (int i = 0; i < 160; ++i) {
+    const Eigen::Vector2d pixel(500 + within(random), 100 + within(random));
+    scene.sightings.push_back({moved.inverse() * (12 * kTestPinhole.Ray(pixel)), pixel});
+  }
+  const auto angle_off = [&](double max_cell_weight) {
+    PoseEstimationOptions options;
+    options.max_cell_weight = max_cell_weight;
+    const PoseEstimate estimate = EstimatePose(options, kTestPinhole, scene.sightings, scene.camera_from_world);
+    return RotationAngle((estimate.camera_from_world * scene.camera_from_world.inverse()).rotation) * kDegreesPerRadian;
+  };
+  EXPECT_LT(angle_off(PoseEstimationOptions().max_cell_weight), 0.1);
+  EXPECT_GT(angle_off(1000), 1) << "otherwise they do";
+  const PoseEstimate estimate = EstimatePose({}, kTestPinhole, scene.sightings, scene.camera_from_world);
+  EXPECT_LT(estimate.inliers, 120);
+  EXPECT_GT(estimate.inlier_share, 0.8);
+}
+
 TEST(PoseEstimation, DoesNotDependOnTheUnitOfLength) {
   const Scene one = MakeScene(100, 0.5, 3);
   const PoseEstimate reference = EstimatePose({}, kTestPinhole, one.sightings, Disturbed(one.camera_from_world));

@@ -266,8 +266,7 @@ class ImageTracker {
 }  // namespace
 
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
-  return estimate.inliers >= options.min_inliers &&
-         estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
+  return estimate.inliers >= options.min_inliers && estimate.inlier_share >= options.min_inlier_share;
 }
 
 std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,

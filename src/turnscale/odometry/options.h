@@ -103,7 +103,7 @@ struct KeyframeOptions {
 struct TrackingOptions {
   /// A pose with fewer inliers is rejected.
   int min_inliers = 25;
-  /// Also one with a lower ratio of inliers to tracked landmarks.
+  /// Also one with a lower share of inliers among the tracked landmarks (PoseEstimate::inlier_share).
   double min_inlier_share = 0.35;
   /// Seconds since the last measured pose after which the map starts anew, at the predicted pose and speed: what the
   /// last image showed is then mostly out of sight.

@@ -167,6 +167,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
   visitor.Group("pose", [&] {
     auto& o = options.pose;
     visitor.Field("inlier_threshold", o.inlier_threshold);
+    visitor.Field("max_cell_weight", o.max_cell_weight);
     visitor.Field("huber_threshold", o.huber_threshold);
     visitor.Field("max_iterations", o.max_iterations);
   });
