@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/pose_estimation.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include <Eigen/Cholesky>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/cell_weights.h"
 
 namespace turnscale {
 namespace {
@@ -31,20 +29,12 @@ struct Normal {
   Vector6d gradient = Vector6d::Zero();
 };
 
-// Of each sighting, by how many there are in its cell.
 std::vector<double> Weights(const PoseEstimationOptions& options, const Pinhole& pinhole,
                             const std::vector<PointSighting>& sightings) {
-  const double size = pinhole.fx / kCellsPerFocalLength;
-  std::vector<std::pair<int, int>> cells;
-  cells.reserve(sightings.size());
-  for (const PointSighting& sighting : sightings)
-    cells.emplace_back(std::lround(sighting.pixel.x() / size), std::lround(sighting.pixel.y() / size));
-  std::map<std::pair<int, int>, int> counts;
-  for (const auto& cell : cells) ++counts[cell];
-  std::vector<double> weights;
-  weights.reserve(sightings.size());
-  for (const auto& cell : cells) weights.push_back(std::min(1.0, options.max_cell_weight / counts[cell]));
-  return weights;
+  std::vector<Eigen::Vector2d> pixels;
+  pixels.reserve(sightings.size());
+  for (const PointSighting& sighting : sightings) pixels.push_back(sighting.pixel);
+  return CellWeights(pinhole, pixels, options.max_cell_weight);
 }
 
 Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,

@@ -10,9 +10,6 @@
 
 namespace turnscale {
 
-/// The image is divided into square cells with this many to a focal length, about 7 degrees each.
-constexpr double kCellsPerFocalLength = 8;
-
 /// A known point and where a frame saw it.
 struct PointSighting {
   Eigen::Vector3d x_in_world = Eigen::Vector3d::Zero();
@@ -24,8 +21,7 @@ struct PoseEstimationOptions {
   double inlier_threshold = 2.0;
   /// Errors beyond this many pixels weigh linearly (Huber).
   double huber_threshold = 0.8;
-  /// Weight of all sightings in a part of the image (kCellsPerFocalLength), as so many: a vehicle ahead, whose points
-  /// stay in sight while those of the scene come and go, does not outvote the scene.
+  /// Weight of all sightings in one part of the image, as so many (CellWeights).
   double max_cell_weight = 2;
   int max_iterations = 10;  ///< of each of the rounds of refitting to the inliers
 
