@@ -15,8 +15,8 @@ struct LandmarkOptions {
   double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
-  /// Least depth of a new landmark, as a share of the median depth of those that have one: what passes before a car that
-  /// stands would get a tiny depth from the noise of its pose.
+  /// Least depth of a new landmark, as a share of the median depth of those that have one: what passes before a car
+  /// that stands would get a tiny depth from the noise of its pose.
   double min_depth_share = 0.02;
 
   /// Throws InputError that names the field when a value makes no sense.
