@@ -21,12 +21,15 @@ constexpr double kLeastRatio = 2;
 // Blocks of so many samples in either direction are averaged to look for missing images: they differ the more, the
 // further a car moves between two images.
 constexpr int kBlockSide = 4;
-// For missing images, two images differ by so many times as much as any consecutive ones shortly before, seconds. On
-// recorded drives at 10 images per second, consecutive images differ by less, and 19 of 20 gaps of a second by more.
+// For missing images, two images differ by so many times as much as any two shortly before, seconds, that are
+// consecutive or this far apart: at any rate, a jump is more than the motion of a moment. On recorded drives at 10
+// images per second, consecutive images differ by less, and nine of ten gaps of a second by more.
 constexpr double kLeastJump = 1.5;
 constexpr double kShortlyBefore = 1;
-// Changes of consecutive images that the compression hides, gray levels.
-constexpr double kLeastChange = 0.75;
+constexpr double kMoment = 0.09;
+constexpr int kFewestPairs = 5;
+// Least change of images of a moving car within that time, in standard deviations of their blocks.
+constexpr double kLeastChange = 0.03;
 
 std::vector<uint8_t> Samples(const cv::Mat& gray) {
   std::vector<uint8_t> samples;
@@ -46,7 +49,7 @@ double Difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) 
   return static_cast<double>(sum) / static_cast<double>(a.size());
 }
 
-// Relative to their mean: the exposure may change from one clip to the next.
+// Less their mean, over their standard deviation: the exposure may change from one clip to the next.
 std::vector<double> BlockMeans(const std::vector<uint8_t>& samples) {
   std::vector<double> means(samples.size() / (kBlockSide * kBlockSide));
   for (int row = 0; row < kRows; ++row)
@@ -54,7 +57,14 @@ std::vector<double> BlockMeans(const std::vector<uint8_t>& samples) {
       means[(row / kBlockSide) * (kColumns / kBlockSide) + column / kBlockSide] +=
           samples[row * kColumns + column] / double{kBlockSide * kBlockSide};
   const double mean = std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(means.size());
-  for (double& value : means) value -= mean;
+  double square = 0;
+  for (double& value : means) {
+    value -= mean;
+    square += value * value;
+  }
+  const double deviation = std::sqrt(square / static_cast<double>(means.size()));
+  if (deviation > 0)
+    for (double& value : means) value /= deviation;
   return means;
 }
 
@@ -106,17 +116,31 @@ std::optional<double> ClipTail::RepeatedBy(const std::function<std::optional<Cli
 }
 
 bool ClipTail::JumpsTo(const cv::Mat& first) const {
-  if (images_.empty() || images_.back().time - images_.front().time < kShortlyBefore) return false;
-  double usual = kLeastChange;
-  const std::vector<double> last = BlockMeans(images_.back().samples);
-  std::vector<double> later = last;
-  for (auto image = images_.rbegin() + 1; image != images_.rend(); ++image) {
-    if (images_.back().time - image->time > kShortlyBefore) break;
-    std::vector<double> means = BlockMeans(image->samples);
-    usual = std::max(usual, Difference(means, later));
-    later = std::move(means);
+  if (!IsMoving()) return false;
+  const double end = images_.back().time;
+  std::vector<double> times;
+  std::vector<std::vector<double>> means;
+  for (const Image& image : images_) {
+    if (end - image.time > kShortlyBefore + kMoment) continue;
+    times.push_back(image.time);
+    means.push_back(BlockMeans(image.samples));
   }
-  return Difference(last, BlockMeans(Samples(first))) > kLeastJump * usual;
+  double usual = 0;
+  int pairs = 0;
+  for (size_t i = 0, k = 0; i < means.size(); ++i) {
+    // The latest image that is a moment before, or the one before.
+    while (k + 1 < i && times[k + 1] <= times[i] - kMoment) ++k;
+    if (i == 0) continue;
+    usual = std::max(usual, Difference(means[k], means[i]));
+    ++pairs;
+  }
+  if (pairs < kFewestPairs || usual < kLeastChange) return false;
+  const std::vector<double> next = BlockMeans(Samples(first));
+  const double jump = Difference(means.back(), next);
+  // An image that is clearly more like an earlier one repeats it.
+  const bool repeats =
+      std::ranges::any_of(means, [&](const auto& earlier) { return kLeastJump * Difference(earlier, next) < jump; });
+  return !repeats && jump > kLeastJump * usual;
 }
 
 }  // namespace turnscale

@@ -38,7 +38,8 @@ class ClipTail {
   std::optional<double> RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const;
 
   /// Whether images are missing between the last one and `first`, the first one of the next clip: these two differ by
-  /// much more than consecutive images of the tail do. Some gaps remain undetected; those of a car that stands do.
+  /// much more than those of the tail do that are consecutive or a moment apart. Some gaps remain undetected, among
+  /// them those of a car that stands. False if the tail has too few images to tell.
   bool JumpsTo(const cv::Mat& first) const;
 
  private:

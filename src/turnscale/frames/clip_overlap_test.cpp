@@ -72,8 +72,21 @@ TEST(ClipTail, SeesMissingImages) {
   EXPECT_TRUE(tail.JumpsTo(Noisy(MovingTestImages(45, 1)).front()));
   const std::vector<cv::Mat> still(40, MovingTestImages(0, 1).front());
   EXPECT_FALSE(TailOf(Noisy(still)).JumpsTo(still.front()));
+  cv::Mat brighter;
+  still.front().convertTo(brighter, CV_8U, 1.1, 5);
+  EXPECT_FALSE(TailOf(Noisy(still)).JumpsTo(brighter)) << "another exposure";
+  MovingTestImages(40, 1).front().convertTo(brighter, CV_8U, 0.8, 10);
+  EXPECT_FALSE(tail.JumpsTo(brighter));
+  EXPECT_FALSE(tail.JumpsTo(MovingTestImages(38, 1).front())) << "repeats an image";
   EXPECT_FALSE(TailOf(MovingTestImages(0, 5)).JumpsTo(MovingTestImages(50, 1).front())) << "too short to tell";
   EXPECT_FALSE(ClipTail().JumpsTo(still.front()));
+}
+
+TEST(ClipTail, AFewLostImagesAreNoGapAtAHighRate) {
+  ClipTail tail;
+  const std::vector<cv::Mat> images = MovingTestImages(0, 90);
+  for (size_t i = 0; i < images.size(); ++i) tail.Add({static_cast<double>(i) / 30, images[i]});
+  EXPECT_FALSE(tail.JumpsTo(MovingTestImages(92, 1).front()));
 }
 
 TEST(ClipTail, AllOfTheTailHasToBeRepeated) {

@@ -286,8 +286,8 @@ void ClipReader::BeginNext(double seconds) {
                             "its images: is it of another camera?",
                             name, recorded, before));
   } else if (jumps && recorded_->Guessed() != clip_) {
-    AddSentence(notice_, fmt::format("images are missing between {} and {} (at {:.1f} s of the drive); for how long is "
-                                     "not known: the path is too short there",
+    AddSentence(notice_, fmt::format("images seem to be missing between {} and {} (at {:.1f} s of the drive), nothing "
+                                     "tells for how long: the path may be too short there",
                                      before, name, end));
   }
 }

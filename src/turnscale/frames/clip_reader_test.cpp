@@ -189,8 +189,8 @@ TEST_F(ClipReaderTest, ShortGapsAreSeen) {
   EXPECT_NEAR(*unknown[40].time, 4, 1e-9);
   EXPECT_EQ(
       unknown[40].notice,
-      "images are missing between a.mp4 and b.mp4 (at 4.0 s of the drive); for how long is not known: the path is "
-      "too short there");
+      "images seem to be missing between a.mp4 and b.mp4 (at 4.0 s of the drive), nothing tells for how long: the "
+      "path may be too short there");
 }
 
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {

@@ -154,9 +154,12 @@ double RecordingTimes::GapAtJump(size_t clip, double duration) const {
   if (clip + 1 >= starts_.size() || Coincides(clip + 1)) return 0;
   const double between = starts_[clip + 1] - starts_[clip];
   const double by_starts = between - duration;
-  // Creation times are those of the beginning of the clips or of their end.
-  const double by_ends = by_name_ ? kLeast : between - durations_[clip + 1];
-  return std::max(by_starts > kLongestPause ? kLeast : by_starts, std::max(by_ends, kLeast));
+  if (by_name_) return by_starts <= -kSameMoment ? 0 : std::max(by_starts, kLeast);
+  // Creation times are those of the beginning of the clips or of their end: the shorter gap is the likelier one.
+  double gap = kLongestPause;
+  for (const double pause : {by_starts, between - durations_[clip + 1]})
+    if (pause >= kLeast) gap = std::min(gap, pause);
+  return gap < kLongestPause ? gap : kLeast;
 }
 
 double RecordingTimes::OverlapAfter(size_t clip, double duration) const {

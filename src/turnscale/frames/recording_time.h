@@ -37,7 +37,8 @@ class RecordingTimes {
   /// nothing tells.
   double GapAfter(size_t clip, double duration) const;
   /// The same where images are missing between the two clips (ClipTail::JumpsTo), which a pause within the resolution
-  /// of the times may hold: half a second or more; 0 if nothing tells when they were recorded.
+  /// of the times may hold: half a second or more; 0 if nothing tells when they were recorded, or the names leave no
+  /// time for a gap.
   double GapAtJump(size_t clip, double duration) const;
   /// Seconds by which the next clip begins before the end of a clip of that duration; 0 if it does not, or if nothing
   /// tells.

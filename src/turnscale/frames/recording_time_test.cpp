@@ -108,6 +108,12 @@ TEST(RecordingTimes, MissingImagesTellWhatThePauseIs) {
   EXPECT_DOUBLE_EQ(ambiguous.GapAtJump(0, 7), 2);
   const RecordingTimes closed(clips, {Header(60, kMayNoon), Header(20, kMayNoon + 21)});
   EXPECT_DOUBLE_EQ(closed.GapAtJump(0, 60), 1);
+  // The last clip is shorter, or longer, than the one before.
+  EXPECT_DOUBLE_EQ(RecordingTimes(clips, {Header(60, kMayNoon), Header(20, kMayNoon + 61)}).GapAtJump(0, 60), 1);
+  EXPECT_DOUBLE_EQ(RecordingTimes(clips, {Header(60, kMayNoon), Header(80, kMayNoon + 81)}).GapAtJump(0, 60), 1);
+  EXPECT_EQ(RecordingTimes({"20230501_120000.mp4", "20230501_120059.mp4"}, {Header(60), Header(60)}).GapAtJump(0, 60),
+            0)
+      << "the clips overlap, if anything";
 }
 
 TEST(RecordingTimes, ChaptersWithOneCreationTimeFollowOneAnother) {

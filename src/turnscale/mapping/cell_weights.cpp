@@ -16,10 +16,10 @@ std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen:
   for (const Eigen::Vector2d& pixel : pixels)
     cells.emplace_back(std::lround(pixel.x() / size), std::lround(pixel.y() / size));
   std::map<std::pair<long, long>, int> counts;
-  for (const auto& cell : cells) ++counts[cell];
+  for (const auto& each : cells) ++counts[each];
   std::vector<double> weights;
   weights.reserve(pixels.size());
-  for (const auto& cell : cells) weights.push_back(std::min(1.0, most / counts[cell]));
+  for (const auto& each : cells) weights.push_back(std::min(1.0, most / counts[each]));
   return weights;
 }
 

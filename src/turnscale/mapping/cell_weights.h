@@ -9,9 +9,10 @@
 
 namespace turnscale {
 
-/// Weights of features at these pixels, by how many share a part of the image: those in one square cell, of an eighth
-/// of the focal length (7 degrees), have a weight of `most` together, and each of 1 at most. What is seen of a vehicle
-/// ahead stays in sight while features of the scene come and go: by their number, it would outvote the scene.
+/// Weights of features at these undistorted pixels, by how many are close to one another: those in one square cell, an
+/// eighth of the focal length wide (7 degrees at the image's centre, less towards the edges of a wide image), have a
+/// weight of `most` together, and each of 1 at most. What is seen of a vehicle ahead stays in sight while features of
+/// the scene come and go: by their number, they would dominate the pose.
 std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels, double most);
 
 }  // namespace turnscale

@@ -2,6 +2,7 @@
 #include "turnscale/mapping/cell_weights.h"
 
 #include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 

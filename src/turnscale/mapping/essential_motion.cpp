@@ -18,6 +18,15 @@
 namespace turnscale {
 namespace {
 
+// Any four matches agree with a homography.
+constexpr std::size_t kFewestOfPlane = 5;
+
+std::vector<cv::Point2d> AsPoints(const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<cv::Point2d> points;
+  for (const Eigen::Vector2d& pixel : pixels) points.emplace_back(pixel.x(), pixel.y());
+  return points;
+}
+
 std::vector<cv::Point2d> AtDepthOne(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<cv::Point2d> points;
   for (const Eigen::Vector2d& pixel : pixels) {
@@ -34,10 +43,10 @@ std::vector<cv::Point2d> InliersOf(const EssentialMotion& motion, const std::vec
   return inliers;
 }
 
-// The points that most of a plane's points agree with, and the homography; empty where there is none.
+// The homography with which most matches agree.
 struct PlaneFit {
-  cv::Mat homography;  // 3x3, second from first
-  double share = 0;    // of the points that lie on the plane
+  cv::Mat homography;  // 3x3, second from first; empty if there is none
+  double share = 0;    // of the matches that agree
 };
 
 PlaneFit FitPlane(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second, double max_error) {
@@ -84,26 +93,19 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
 
 double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vector2d>& first,
                     const std::vector<Eigen::Vector2d>& second, double max_error) {
-  constexpr std::size_t kFewest = 5;
-  std::vector<cv::Point2d> a;
-  std::vector<cv::Point2d> b;
-  for (std::size_t i = 0; i < motion.inlier.size(); ++i) {
-    if (motion.inlier[i] == 0) continue;
-    a.emplace_back(first[i].x(), first[i].y());
-    b.emplace_back(second[i].x(), second[i].y());
-  }
-  // Any four are.
-  if (a.size() < kFewest) return 1;
-  return FitPlane(a, b, max_error).share;
+  const std::vector<cv::Point2d> a = InliersOf(motion, AsPoints(first));
+  const std::vector<cv::Point2d> b = InliersOf(motion, AsPoints(second));
+  return a.size() < kFewestOfPlane ? 1 : FitPlane(a, b, max_error).share;
 }
 
 bool MayBePassingVehicle(const Pinhole& pinhole, const EssentialMotion& motion,
                          const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
-                         double max_error) {
+                         double max_error, const Eigen::Quaterniond& vehicle_from_camera) {
   constexpr double kNearlyAll = 0.9;
   constexpr double kSideways = 0.7;  // share of the motion along the x axis
   const std::vector<cv::Point2d> a = InliersOf(motion, AtDepthOne(pinhole, first));
   const std::vector<cv::Point2d> b = InliersOf(motion, AtDepthOne(pinhole, second));
+  if (a.size() < kFewestOfPlane) return false;
   const PlaneFit plane = FitPlane(a, b, max_error / pinhole.fx);
   if (plane.share < kNearlyAll) return false;
   std::vector<cv::Mat> rotations;
@@ -112,8 +114,11 @@ bool MayBePassingVehicle(const Pinhole& pinhole, const EssentialMotion& motion,
   const int motions =
       cv::decomposeHomographyMat(plane.homography, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
   for (int i = 0; i < motions; ++i) {
-    const cv::Mat travel = rotations[i].t() * translations[i];
-    if (IsBefore(normals[i], a) && std::abs(travel.at<double>(0)) > kSideways * cv::norm(travel)) return true;
+    const cv::Mat in_camera = rotations[i].t() * translations[i];
+    const Eigen::Vector3d travel =
+        vehicle_from_camera *
+        Eigen::Vector3d(in_camera.at<double>(0), in_camera.at<double>(1), in_camera.at<double>(2));
+    if (IsBefore(normals[i], a) && std::abs(travel.x()) > kSideways * travel.norm()) return true;
   }
   return false;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rigid_transform.h"
@@ -31,10 +32,11 @@ double ShareOnPlane(const EssentialMotion& motion, const std::vector<Eigen::Vect
                     const std::vector<Eigen::Vector2d>& second, double max_error);
 
 /// Whether the inliers of a motion may be the side of a vehicle that passes before a camera that stands: nearly all of
-/// them lie on one plane, and one of the two motions that a plane allows is sideways.
+/// them lie on one plane, and one of the two motions that a plane allows is sideways (along the x axis of the vehicle).
+/// `first`, `second`, `max_error`: as above, undistorted pixels. `vehicle_from_camera`: how the camera sits on the car.
 bool MayBePassingVehicle(const Pinhole& pinhole, const EssentialMotion& motion,
                          const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
-                         double max_error);
+                         double max_error, const Eigen::Quaterniond& vehicle_from_camera);
 
 /// Motion between two views and what they show, adjusted together.
 struct TwoViewGeometry {

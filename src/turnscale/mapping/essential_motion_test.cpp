@@ -46,8 +46,9 @@ EssentialMotion MotionOf(const Matches& matches) {
   return FindEssentialMotion(kPinhole, matches.first, matches.second, kMaxError);
 }
 
-bool MayBePassing(const Matches& matches) {
-  return MayBePassingVehicle(kPinhole, MotionOf(matches), matches.first, matches.second, kMaxError);
+bool MayBePassing(const Matches& matches, double yaw = 0) {
+  return MayBePassingVehicle(kPinhole, MotionOf(matches), matches.first, matches.second, kMaxError,
+                             RotationFromYawPitchRoll({yaw, 0, 0}));
 }
 
 const auto kDeepScene = [](double a, double b) {
@@ -93,6 +94,9 @@ TEST(EssentialMotion, ARoadOrAWallAheadIsNoPassingVehicle) {
   EXPECT_FALSE(MayBePassing(Seen({0, 0, 1}, kSideOfALorry))) << "straight ahead";
   EXPECT_FALSE(MayBePassing(Seen({0, 0, 1}, kDeepScene)));
   EXPECT_FALSE(MayBePassing(Seen({1, 0, 0}, kDeepScene))) << "no plane";
+  EXPECT_FALSE(MayBePassing(Seen({-1, 0, 1}, kRoad), 0.8))
+      << "straight ahead, seen by a camera that looks to the right";
+  EXPECT_FALSE(MayBePassingVehicle(kPinhole, {}, {}, {}, kMaxError, Eigen::Quaterniond::Identity())) << "no matches";
 }
 
 }  // namespace

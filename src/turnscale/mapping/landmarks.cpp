@@ -36,12 +36,12 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
 }
 
 // Of the landmarks that have a depth; 0 if they are too few to tell.
-double MedianDepth(const std::vector<int>& landmarks, const RigidTransform& camera_from_world, const Map& map) {
+double MedianDistance(const std::vector<int>& landmarks, const RigidTransform& camera_from_world, const Map& map) {
   constexpr size_t kFewest = 10;
-  std::vector<double> depths;
+  std::vector<double> distances;
   for (const int index : landmarks)
-    if (map.landmarks[index].valid) depths.push_back((camera_from_world * map.landmarks[index].position).z());
-  return depths.size() < kFewest ? 0.0 : Median(std::move(depths));
+    if (map.landmarks[index].valid) distances.push_back((camera_from_world * map.landmarks[index].position).norm());
+  return distances.size() < kFewest ? 0.0 : Median(std::move(distances));
 }
 
 }  // namespace
@@ -50,7 +50,8 @@ void LandmarkOptions::Check() const {
   if (!(min_parallax_deg > 0)) throw InputError("min_parallax_deg: has to be positive");
   if (!(min_parallax >= 0)) throw InputError("min_parallax: must not be negative");
   if (!(max_reprojection_error > 0)) throw InputError("max_reprojection_error: has to be positive");
-  if (!(min_depth_share >= 0 && min_depth_share < 1)) throw InputError("min_depth_share: has to be from 0 to below 1");
+  if (!(min_distance_share >= 0 && min_distance_share < 1))
+    throw InputError("min_distance_share: has to be from 0 to below 1");
 }
 
 double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_world, const Eigen::Vector3d& point,
@@ -66,12 +67,12 @@ double ReprojectionError(const Map& map, int landmark, const LandmarkObservation
 
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
   const RigidTransform& latest_from_world = map.keyframes.back().camera_from_world;
-  const double least_depth = options.min_depth_share * MedianDepth(landmarks, latest_from_world, map);
+  const double least_distance = options.min_distance_share * MedianDistance(landmarks, latest_from_world, map);
   for (const int index : landmarks) {
     Landmark& landmark = map.landmarks[index];
     if (landmark.valid || landmark.observations.size() < kFewestSightings) continue;
     const std::optional<Eigen::Vector3d> x = TriangulateOne(options, map, index);
-    if (!x || (latest_from_world * *x).z() < least_depth) continue;
+    if (!x || (latest_from_world * *x).norm() < least_distance) continue;
     landmark.position = *x;
     landmark.valid = std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
       return ReprojectionError(map, index, seen) <= options.max_reprojection_error;

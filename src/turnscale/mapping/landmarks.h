@@ -15,9 +15,9 @@ struct LandmarkOptions {
   double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
-  /// Least depth of a new landmark, as a share of the median depth of those that have one: what passes before a car
-  /// that stands would get a tiny depth from the noise of its pose.
-  double min_depth_share = 0.02;
+  /// Least distance of a new landmark, as a share of the median of those that have a depth: what passes before a car
+  /// that stands would seem to be very near, by the noise of its pose.
+  double min_distance_share = 0.02;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -181,7 +181,7 @@ TEST(Landmarks, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax = -1; }), "min_parallax");
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.max_reprojection_error = std::nan(""); }),
             "max_reprojection_error");
-  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_depth_share = 1; }), "min_depth_share");
+  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_distance_share = 1; }), "min_distance_share");
 }
 
 }  // namespace

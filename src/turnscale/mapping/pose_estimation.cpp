@@ -87,21 +87,12 @@ bool Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, cons
   return changed;
 }
 
-}  // namespace
-
-void PoseEstimationOptions::Check() const {
-  if (!(inlier_threshold > 0)) throw InputError("inlier_threshold: has to be positive");
-  if (!(huber_threshold > 0)) throw InputError("huber_threshold: has to be positive");
-  if (!(max_cell_weight > 0)) throw InputError("max_cell_weight: has to be positive");
-  if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
-}
-
-PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& pinhole,
-                          const std::vector<PointSighting>& sightings, const RigidTransform& initial) {
+PoseEstimate Fit(const PoseEstimationOptions& options, const Pinhole& pinhole,
+                 const std::vector<PointSighting>& sightings, const std::vector<double>& weights,
+                 const RigidTransform& initial) {
   PoseEstimate estimate;
   estimate.camera_from_world = initial;
   estimate.inlier.assign(sightings.size(), 1);
-  const std::vector<double> weights = Weights(options, pinhole, sightings);
   const double distance = TypicalDistance(sightings, initial);
   for (int round = 0; round < kRounds; ++round) {
     bool settled = false;
@@ -118,14 +109,38 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
     }
     if (!Classify(options, pinhole, sightings, estimate) && settled) break;
   }
-  double all = 0;
-  double agreeing = 0;
-  for (size_t i = 0; i < sightings.size(); ++i) {
-    all += weights[i];
-    if (estimate.inlier[i] != 0) agreeing += weights[i];
-  }
-  estimate.inlier_share = all > 0 ? agreeing / all : 0;
   return estimate;
+}
+
+void Weigh(const std::vector<double>& weights, PoseEstimate& estimate) {
+  double all = 0;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    all += weights[i];
+    if (estimate.inlier[i] != 0) estimate.inlier_weight += weights[i];
+  }
+  estimate.inlier_share = all > 0 ? estimate.inlier_weight / all : 0;
+}
+
+}  // namespace
+
+void PoseEstimationOptions::Check() const {
+  if (!(inlier_threshold > 0)) throw InputError("inlier_threshold: has to be positive");
+  if (!(huber_threshold > 0)) throw InputError("huber_threshold: has to be positive");
+  if (!(min_agreeing_share >= 0 && min_agreeing_share <= 1)) throw InputError("min_agreeing_share: has to be in 0...1");
+  if (!(max_cell_weight > 0)) throw InputError("max_cell_weight: has to be positive");
+  if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
+}
+
+PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& pinhole,
+                          const std::vector<PointSighting>& sightings, const RigidTransform& initial) {
+  const std::vector<double> weights = Weights(options, pinhole, sightings);
+  const std::vector<double> alike(sightings.size(), 1.0);
+  PoseEstimate estimate = Fit(options, pinhole, sightings, alike, initial);
+  Weigh(weights, estimate);
+  if (estimate.inlier_share >= options.min_agreeing_share) return estimate;
+  PoseEstimate balanced = Fit(options, pinhole, sightings, weights, initial);
+  Weigh(weights, balanced);
+  return balanced.inlier_weight > estimate.inlier_weight ? balanced : estimate;
 }
 
 }  // namespace turnscale

@@ -62,7 +62,7 @@ TEST(PoseEstimation, OutliersLoseTheirSay) {
 }
 
 // As those of a vehicle ahead, whose landmarks stay in sight.
-TEST(PoseEstimation, ManyPointsInOnePlaceDoNotOutvoteTheOthers) {
+TEST(PoseEstimation, ManyPointsInOnePlaceDoNotDominate) {
   Scene scene = MakeScene(80, 0.3, 6);
   const RigidTransform moved = Disturbed(scene.camera_from_world);
   std::mt19937 random(7);
@@ -81,7 +81,7 @@ TEST(PoseEstimation, ManyPointsInOnePlaceDoNotOutvoteTheOthers) {
   EXPECT_GT(angle_off(1000), 1) << "otherwise they do";
   const PoseEstimate estimate = EstimatePose({}, kTestPinhole, scene.sightings, scene.camera_from_world);
   EXPECT_LT(estimate.inliers, 120);
-  EXPECT_GT(estimate.inlier_share, 0.8);
+  EXPECT_GT(estimate.inlier_share, 0.7);
 }
 
 TEST(PoseEstimation, DoesNotDependOnTheUnitOfLength) {

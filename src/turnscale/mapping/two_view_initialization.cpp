@@ -141,7 +141,7 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
   const int landmarks = TakeLandmarks(options, pinhole, *geometry, first, second, result);
   if (landmarks >= LandmarksNeeded(options, pinhole, result.parallax, first.size()))
     result.status = TwoViewStatus::kInitialized;
-  result.may_be_passing_vehicle = MayBePassingVehicle(pinhole, motion, first, second, options.max_epipolar_error);
+  result.essential = motion;
   return result;
 }
 

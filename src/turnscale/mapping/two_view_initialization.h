@@ -8,6 +8,7 @@
 
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/mapping/essential_motion.h"
 
 namespace turnscale {
 
@@ -49,7 +50,7 @@ struct TwoViewResult {
   double motion = 0;    ///< median motion of the features, pixels
   double parallax = 0;  ///< motion that a quarter exceed after the best pure rotation, pixels; 0 at standstill
   RigidTransform second_from_first;
-  bool may_be_passing_vehicle = false;  ///< MayBePassingVehicle
+  EssentialMotion essential;            ///< from which the motion was adjusted, with the matches that agree
   std::vector<char> triangulated;       ///< one flag per match
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
 };

@@ -83,10 +83,13 @@ TrackedFrame FrameTracker::Track(const Map& map, FlowImage& image, const MotionM
   }
   sampled_.reset();
   tracks_ = std::move(tracked.tracks.found);
-  if (FollowsGap(time)) DropWithoutDepth(map);
+  if (FollowsGap(time)) {
+    DropWithoutDepth(map);
+  } else if (last_image_time_) {
+    last_interval_ = time - *last_image_time_;
+  }
   lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
-  if (last_image_time_) last_interval_ = time - *last_image_time_;
   last_image_time_ = time;
   NoticeStanding(map, tracked.estimate.inliers, time);
   return frame;

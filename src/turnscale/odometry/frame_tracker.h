@@ -102,8 +102,8 @@ class FrameTracker {
   std::vector<std::vector<FeatureTrack>*> AllTracks();
   // Whether images are missing, or were not tracked, for much longer than usual before this time.
   bool FollowsGap(double time) const;
-  // Ends the tracks that optical flow alone has followed: across a gap, nothing but a line each confirms them, and too
-  // many depths would be wrong.
+  // Ends the tracks that optical flow alone has followed: across a gap, only the epipolar line of each confirms them,
+  // and too many depths would be wrong.
   void DropWithoutDepth(const Map& map);
   // Updates `stands_since_` and `has_stood_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
@@ -118,7 +118,7 @@ class FrameTracker {
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
   std::optional<double> last_image_time_;  ///< of that image, seconds; empty where it began the tracks
-  std::optional<double> last_interval_;    ///< between that image and the one before, seconds; empty if unknown
+  std::optional<double> last_interval_;    ///< of images without a gap, seconds; empty if unknown
   std::optional<SampledImage> sampled_;    ///< the latest image, if only a sample was tracked
   std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
   bool has_stood_ = false;                 ///< for a second at least, up to that image

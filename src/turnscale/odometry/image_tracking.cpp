@@ -290,7 +290,7 @@ TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv:
   const std::optional<RigidTransform> searched = believable ? tracker.SearchNear(tracked) : tracker.SearchAll();
   if (!searched) return tracked;
   TrackedPose by_search = tracker.TrackSearched(*searched);
-  const bool is_better = !believable || by_search.estimate.inliers > tracked.estimate.inliers;
+  const bool is_better = !believable || by_search.estimate.inlier_weight > tracked.estimate.inlier_weight;
   return is_better && tracker.IsBelievable(by_search) ? std::move(by_search) : std::move(tracked);
 }
 

@@ -7,6 +7,7 @@
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
+#include "turnscale/mapping/essential_motion.h"
 
 namespace turnscale {
 namespace {
@@ -22,12 +23,12 @@ constexpr int kFewestStatic = 10;
 // What stands still belongs to the scene if the camera's motion, whose rotation is estimated, moves it by no more than
 // this, in the motion that counts as none.
 constexpr double kMostMotionShare = 1.5;
-// Least share of a car's motion along the camera's axis, which points within 60 degrees of it. A lorry that passes
-// before a car that waits moves sideways, and may fill the image.
+// Least share of a car's motion straight ahead or back: within 60 degrees of it. A lorry that passes before a car that
+// waits moves sideways.
 constexpr double kLeastAhead = 0.5;
 
-bool IsOfCar(const RigidTransform& second_from_first) {
-  const Eigen::Vector3d travel = second_from_first.inverse().translation;
+bool IsOfCar(const RigidTransform& second_from_first, const Eigen::Quaterniond& vehicle_from_camera) {
+  const Eigen::Vector3d travel = vehicle_from_camera * second_from_first.inverse().translation;
   return std::abs(travel.z()) >= kLeastAhead * travel.norm();
 }
 
@@ -130,14 +131,18 @@ std::vector<char> MapInitializer::FindStatic(const WaitingFrame& next) const {
   return still;
 }
 
-TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) const {
-  std::vector<Eigen::Vector2d> first;
-  std::vector<Eigen::Vector2d> second;
+MapInitializer::Matches MapInitializer::MatchesWithout(const std::vector<char>& left_out) const {
+  Matches matches;
   for (size_t i = 0; i < left_out.size(); ++i) {
     if (left_out[i] != 0) continue;
-    first.push_back(frames_.front().pixels[frames_.back().features[i]]);
-    second.push_back(frames_.back().pixels[i]);
+    matches.first.push_back(frames_.front().pixels[frames_.back().features[i]]);
+    matches.second.push_back(frames_.back().pixels[i]);
   }
+  return matches;
+}
+
+TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) const {
+  const auto [first, second] = MatchesWithout(left_out);
   const int gone = static_cast<int>(frames_[1].features.size() - frames_.back().features.size());
   TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second, gone);
   if (views.status != TwoViewStatus::kInitialized) return views;
@@ -165,28 +170,33 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
 MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
-  if (std::ranges::count(still, 1) < kFewestStatic) {
-    TwoViewResult all = MatchWithout(none);
-    if (all.status == TwoViewStatus::kInitialized && !IsOfCar(all.second_from_first))
-      all.status = TwoViewStatus::kFailed;
-    return {all, none, false};
-  }
+  if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
   const TwoViewResult moving = MatchWithout(still);
-  const bool drives = moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first);
+  const bool drives = moving.status == TwoViewStatus::kInitialized &&
+                      IsOfCar(moving.second_from_first, vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity()));
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);
   if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none, true};
   // A dashboard and a scene that turns look like near and far points beside a camera that moves sideways.
   if (all.status == TwoViewStatus::kInitialized &&
-      (!IsOfCar(all.second_from_first) || !BelongToScene(still, all.second_from_first)))
+      (!IsOfCar(all.second_from_first, vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity())) ||
+       !BelongToScene(still, all.second_from_first)))
     all.status = TwoViewStatus::kFailed;
   return {all, none, true};
 }
 
+bool MapInitializer::MayBePassing(const TwoViewResult& views, const std::vector<char>& left_out) const {
+  if (!vehicle_from_camera_) return false;
+  if (!IsOfCar(views.second_from_first, *vehicle_from_camera_)) return true;
+  const auto [first, second] = MatchesWithout(left_out);
+  return MayBePassingVehicle(camera_.pinhole, views.essential, first, second,
+                             options_.initialization.max_epipolar_error, *vehicle_from_camera_);
+}
+
 std::optional<InitialMap> MapInitializer::TryTwoViews() const {
   const auto [views, left_out, has_still] = MatchViews();
-  if (views.status != TwoViewStatus::kInitialized || views.may_be_passing_vehicle) return std::nullopt;
+  if (views.status != TwoViewStatus::kInitialized || MayBePassing(views, left_out)) return std::nullopt;
 
   InitialMap map;
   map.frames = frames_;

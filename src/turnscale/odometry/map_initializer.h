@@ -47,9 +47,11 @@ struct InitialMap {
 /// have to move if they belonged to it, are left out.
 class MapInitializer {
  public:
-  /// Pixels that are 0 in `mask` are left out (8 bit; empty: none are).
-  MapInitializer(const OdometryOptions& options, const CameraModel& camera, const cv::Mat& mask = {})
-      : options_(options), camera_(camera), mask_(mask) {}
+  /// Pixels that are 0 in `mask` are left out (8 bit; empty: none are). Where `vehicle_from_camera` is known, what
+  /// moves sideways is no start, nor what may be the side of a vehicle that passes (MayBePassingVehicle).
+  MapInitializer(const OdometryOptions& options, const CameraModel& camera, const cv::Mat& mask = {},
+                 const std::optional<Eigen::Quaterniond>& vehicle_from_camera = {})
+      : options_(options), camera_(camera), mask_(mask), vehicle_from_camera_(vehicle_from_camera) {}
 
   /// Takes the next image; gives the map's start as soon as two views suffice for it.
   std::optional<InitialMap> Add(const FlowImage& image, int frame, double time);
@@ -67,7 +69,14 @@ class MapInitializer {
     bool has_still = false;  ///< features stand still, left out or not
   };
   MatchedViews MatchViews() const;
+  /// Undistorted pixels of the features that both views have.
+  struct Matches {
+    std::vector<Eigen::Vector2d> first;
+    std::vector<Eigen::Vector2d> second;
+  };
+  Matches MatchesWithout(const std::vector<char>& left_out) const;
   TwoViewResult MatchWithout(const std::vector<char>& left_out) const;
+  bool MayBePassing(const TwoViewResult& views, const std::vector<char>& left_out) const;
   /// Whether the first view is out of sight.
   bool HasGone(const WaitingFrame& next) const;
   /// Features that are where the first view saw them: one flag per feature seen.
@@ -78,6 +87,7 @@ class MapInitializer {
   OdometryOptions options_;
   CameraModel camera_;
   cv::Mat mask_;
+  std::optional<Eigen::Quaterniond> vehicle_from_camera_;
   cv::Mat first_image_;
   std::vector<cv::Point2f> first_pixels_;
   FlowImage last_;

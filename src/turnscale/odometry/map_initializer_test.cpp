@@ -131,6 +131,23 @@ TEST(MapInitializer, WhatPassesBeforeAStandingCameraIsNoStart) {
   }
 }
 
+TEST(MapInitializer, WhatPassesAndFillsTheImageIsNoStart) {
+  const SyntheticTexture wall(50, 8, 60);
+  const auto starts = [&](const std::optional<Eigen::Quaterniond>& vehicle_from_camera) {
+    MapInitializer initializer({}, SmallCamera(), {}, vehicle_from_camera);
+    bool started = false;
+    for (int frame = 0; frame < 12; ++frame) {
+      const cv::Mat passing = MakeImage({480, 240}, [&](const Eigen::Vector2d& pixel) {
+        return wall.At(pixel - Eigen::Vector2d((4.0 + 0.01 * pixel.x()) * frame, 0));
+      });
+      started = started || initializer.Add(BuildFlowImage({}, passing), frame, 0.1 * frame);
+    }
+    return started;
+  };
+  EXPECT_TRUE(starts(std::nullopt)) << "the camera may look sideways";
+  EXPECT_FALSE(starts(Eigen::Quaterniond::Identity()));
+}
+
 TEST(MapInitializer, MaskedPixelsAreLeftOut) {
   const Boards boards(1);
   cv::Mat mask(240, 480, CV_8U, cv::Scalar(255));

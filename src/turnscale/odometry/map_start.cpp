@@ -72,10 +72,12 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   const double first = start.frames.front().time;
   const double second = start.frames.back().time;
   UnitGuess from_speed;
+  // With few depths, nothing tells whether the speed is more than the noise of a car that stands.
+  constexpr std::size_t kFewestDepths = 10;
+  const bool has_depths = known_depths.size() >= kFewestDepths;
+  const double known_depth = has_depths ? Quantile(std::move(known_depths), kNearQuarter) : HUGE_VAL;
+  const double scene_depth = std::min(depth, known_depth);
   for (const PastSpeed& past : motion.PastSpeeds()) {
-    // Without any depth, nothing tells whether the speed is more than the noise of a car that stands.
-    if (known_depths.empty()) break;
-    const double scene_depth = std::isfinite(depth) ? depth : Quantile(known_depths, kNearQuarter);
     const double sigma = motion.SpeedSigma(past, 0.5 * (first + second), scene_depth);
     if (!(sigma < from_speed.sigma)) continue;
     from_speed = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};

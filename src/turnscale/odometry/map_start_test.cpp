@@ -145,7 +145,7 @@ TEST(MapStart, NoiseOfStandingIsNoSpeedWhereFewDepthsAreKnown) {
   Map map = EmptyMap();
   AddStart(before.map, {}, map);
   for (std::size_t i = 0; i < map.landmarks.size(); ++i)
-    if (i % 10 != 0) map.landmarks[i].valid = false;
+    if (i % 5 != 0) map.landmarks[i].valid = false;
   const auto standing = [&](double noise) {
     MotionModel motion;
     motion.Update(5, RigidTransform{});

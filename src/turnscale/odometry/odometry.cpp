@@ -125,7 +125,11 @@ void Odometry::SetMask(const cv::Mat& mask) {
 
 void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
 
-void Odometry::WaitForMap() { initializer_.emplace(options_, map_.camera, mask_.pixels()); }
+void Odometry::WaitForMap() {
+  const bool is_known = mount().current().found || options_.vehicle.camera_known || !options_.vehicle.calibrate_camera;
+  const auto rotation = is_known ? std::optional(mount().current().vehicle_from_camera) : std::nullopt;
+  initializer_.emplace(options_, map_.camera, mask_.pixels(), rotation);
+}
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
   FrameResult result;

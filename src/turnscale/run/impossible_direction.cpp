@@ -17,17 +17,19 @@ namespace {
 
 // A direction is that of so many metres of the path: noise of the positions and of the car's pitching hardly count.
 constexpr double kLength = 1;
-constexpr double kLongest = 3;  // s
+constexpr double kLongest = 3;          // s
+constexpr double kLongestInterval = 1;  // s
+constexpr double kMostTurn = 40 / kDegreesPerRadian;
 // Ramps begin and end within a car's length, and bumps lift an axle by 0.1 m: ten degrees over a metre at most.
 constexpr double kMostUp = 20 / kDegreesPerRadian;
 // Rear tyres slip by ten degrees at most, unless the car drifts; a camera without a lever arm swings out in turns.
 constexpr double kMostAside = 45 / kDegreesPerRadian;
 
+// How the car moves, in its own axes: forward, also where it reverses.
 struct Direction {
   double from = 0;
   double to = 0;
-  double up = 0;
-  double aside = 0;
+  Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();
 };
 
 Eigen::Quaterniond WorldFromVehicle(const FrameResult& frame) {
@@ -38,34 +40,37 @@ Eigen::Vector3d RearAxle(const FrameResult& frame, double lever_arm) {
   return frame.world_from_camera->translation - WorldFromVehicle(frame) * Eigen::Vector3d(0, 0, lever_arm);
 }
 
-// Of a car that moves by this vector, in its own axes. In reverse, up is up, too.
-Direction DirectionOf(const Eigen::Vector3d& moved, double from, double to) {
-  return {from, to, std::asin(std::clamp(-moved.y() / moved.norm(), -1.0, 1.0)),
-          std::atan2(moved.x(), std::abs(moved.z()))};
-}
-
 std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double lever_arm) {
   std::vector<Direction> directions;
   size_t first = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
-    if (!frames[i].is_measured()) {
-      first = i + 1;
+    if (!frames[i].is_measured() || (i > 0 && frames[i].time - frames[i - 1].time > kLongestInterval)) {
+      first = frames[i].is_measured() ? i : i + 1;
       continue;
     }
     while (frames[i].time - frames[first].time > kLongest) ++first;
     const Eigen::Vector3d moved = RearAxle(frames[i], lever_arm) - RearAxle(frames[first], lever_arm);
     if (moved.norm() < kLength) continue;
-    const Eigen::Quaterniond vehicle_from_world = WorldFromVehicle(frames[(first + i) / 2]).conjugate();
-    directions.push_back(DirectionOf(vehicle_from_world * moved, frames[first].time, frames[i].time));
+    const Eigen::Quaterniond begin = WorldFromVehicle(frames[first]);
+    const Eigen::Quaterniond end = WorldFromVehicle(frames[i]);
+    const Eigen::Vector3d ahead = begin.slerp(0.5, end).conjugate() * moved.normalized();
+    // Over a sharper turn, the chord of the path is no direction.
+    if (begin.angularDistance(end) < kMostTurn)
+      directions.push_back({frames[first].time, frames[i].time, ahead.z() < 0 ? -ahead : ahead});
     first = i;
   }
   return directions;
 }
 
-double MedianOf(const std::vector<Direction>& directions, double Direction::*angle) {
-  std::vector<double> angles;
-  for (const Direction& direction : directions) angles.push_back(direction.*angle);
-  return Median(std::move(angles));
+// The median of each coordinate: the rotation of the camera may be given wrong.
+Eigen::Vector3d UsualDirection(const std::vector<Direction>& directions) {
+  Eigen::Vector3d usual;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Direction& direction : directions) values.push_back(direction.ahead[axis]);
+    usual[axis] = Median(std::move(values));
+  }
+  return usual.normalized();
 }
 
 // By how many times the angles exceed what a car does; the larger of the two.
@@ -84,13 +89,13 @@ std::vector<ImpossibleDirection> FindImpossibleDirections(const std::vector<Fram
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return {};
   const std::vector<Direction> directions = Directions(frames, lever_arm);
   if (directions.empty()) return {};
-  // The rotation of the camera may be given wrong.
-  const double usual_up = MedianOf(directions, &Direction::up);
-  const double usual_aside = MedianOf(directions, &Direction::aside);
+  const auto ahead_from_usual =
+      Eigen::Quaterniond::FromTwoVectors(UsualDirection(directions), Eigen::Vector3d::UnitZ());
   std::vector<ImpossibleDirection> parts;
   for (const Direction& direction : directions) {
-    const double up = direction.up - usual_up;
-    const double aside = direction.aside - usual_aside;
+    const Eigen::Vector3d ahead = ahead_from_usual * direction.ahead;
+    const double up = std::asin(std::clamp(-ahead.y(), -1.0, 1.0));
+    const double aside = std::atan2(ahead.x(), std::abs(ahead.z()));
     const double excess = Excess(up, aside);
     if (excess < 1) continue;
     const bool continues = !parts.empty() && parts.back().to == direction.from;
@@ -113,8 +118,8 @@ std::string ImpossibleDirectionText(const std::vector<ImpossibleDirection>& part
   const char* way = is_steep ? (angle > 0 ? "upwards" : "downwards") : (angle > 0 ? "to the right" : "to the left");
   return fmt::format(
       "the path goes {:.0f} degrees {} as seen from the car ({}from {:.1f} to {:.1f} s, {:.0f} m), as no car drives: "
-      "the "
-      "wrong things were tracked there; that part is wrong, and what follows may be tilted or rotated",
+      "probably a vehicle was tracked instead of the scene; look at the video there, and leave that part out (--start, "
+      "--end) if what follows is tilted or rotated",
       InDegrees(std::abs(angle)), way, parts.size() > 1 ? fmt::format("{} places, the longest ", parts.size()) : "",
       longest->from - first_time, longest->to - first_time, longest->distance);
 }

@@ -21,13 +21,13 @@ struct ImpossibleDirection {
 
 /// All such parts, in the order of time. `frames`: poses of the camera in metres; there are none in a trajectory that
 /// is up to scale. `lever_arm`: metres; 0 if it is unknown. A direction is that of a metre of the path that takes less
-/// than three seconds and is measured throughout.
+/// than three seconds, is measured throughout without a gap of a second, and turns by less than 40 degrees.
 std::vector<ImpossibleDirection> FindImpossibleDirections(const std::vector<FrameResult>& frames, double lever_arm);
 
 /// The warning, one line, with times counted from `first_time`; empty if there are none.
 std::string ImpossibleDirectionText(const std::vector<ImpossibleDirection>& parts, double first_time = 0);
 
-/// Error of the path's length that they suggest, metres: nothing tells how long they are.
+/// Their whole length, metres, as the error of the path's length: any part of it may be wrong.
 double LengthErrorOf(const std::vector<ImpossibleDirection>& parts);
 
 }  // namespace turnscale

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/impossible_direction.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/geometry/rotation.h"
@@ -11,8 +13,8 @@ namespace {
 constexpr double kLeverArm = 1.5;
 constexpr double kSpeed = 5;
 
-// Poses of a camera at 10 images per second; the car moves by `up` and `aside` (radians) of its own axes, and turns by
-// `rate` (rad/s), at each time.
+// Poses of a camera at 10 images per second; the car moves by `up` and `aside` (radians) of its own axes, turns by
+// `rate` (rad/s), and drives at `speed` (m/s), at each time.
 template <typename Way>
 std::vector<FrameResult> DriveBy(double seconds, Way way) {
   const Eigen::Quaterniond vehicle_from_camera = RotationFromYawPitchRoll({0.05, -0.1, 0.02});
@@ -25,11 +27,11 @@ std::vector<FrameResult> DriveBy(double seconds, Way way) {
     frame.state = TrackingState::kTracked;
     frame.scale_state = ScaleState::kHeld;
     frame.vehicle_from_camera = vehicle_from_camera;
-    const auto [up, aside, rate] = way(frame.time);
+    const auto [up, aside, rate, speed] = way(frame.time);
     const Eigen::Quaterniond half = RotationFromVector({0, 0.05 * rate, 0});
     world_from_vehicle.rotation = world_from_vehicle.rotation * half;
     world_from_vehicle.translation +=
-        world_from_vehicle.rotation * (RotationFromYawPitchRoll({aside, up, 0}) * Eigen::Vector3d(0, 0, 0.1 * kSpeed));
+        world_from_vehicle.rotation * (RotationFromYawPitchRoll({aside, up, 0}) * Eigen::Vector3d(0, 0, 0.1 * speed));
     world_from_vehicle.rotation = world_from_vehicle.rotation * half;
     frame.world_from_camera = world_from_vehicle * RigidTransform{vehicle_from_camera, {0, 0, kLeverArm}};
   }
@@ -40,6 +42,7 @@ struct Way {
   double up = 0;
   double aside = 0;
   double rate = 0;
+  double speed = kSpeed;
 };
 
 TEST(ImpossibleDirection, IsNoneInADrive) {
@@ -79,6 +82,20 @@ TEST(ImpossibleDirection, IsSideways) {
 TEST(ImpossibleDirection, IsRelativeToTheUsualOne) {
   const auto frames = DriveBy(40, [](double) { return Way{.up = 0.5}; });
   EXPECT_TRUE(FindImpossibleDirections(frames, kLeverArm).empty()) << "the rotation was given wrong";
+  // It reverses for a while.
+  const auto turned = [](double time) { return time > 20 && time < 26 ? -2.0 : 5.0; };
+  EXPECT_TRUE(FindImpossibleDirections(DriveBy(40, [&](double time) { return Way{.up = 0.3, .speed = turned(time)}; }),
+                                       kLeverArm)
+                  .empty());
+}
+
+TEST(ImpossibleDirection, IsNotThatOfACornerAtALowRate) {
+  auto frames = DriveBy(40, [](double time) { return Way{.rate = time > 10 && time < 13 ? 0.52 : 0}; });
+  std::vector<FrameResult> few;
+  for (size_t i = 0; i < frames.size(); i += 9) few.push_back(frames[i]);
+  EXPECT_TRUE(FindImpossibleDirections(few, kLeverArm).empty());
+  std::erase_if(frames, [](const FrameResult& frame) { return frame.time > 10.5 && frame.time < 12.5; });
+  EXPECT_TRUE(FindImpossibleDirections(frames, kLeverArm).empty()) << "a gap in the corner";
 }
 
 TEST(ImpossibleDirection, IsNotKnownWhereThePathIsNotMeasured) {

@@ -167,6 +167,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
   visitor.Group("pose", [&] {
     auto& o = options.pose;
     visitor.Field("inlier_threshold", o.inlier_threshold);
+    visitor.Field("min_agreeing_share", o.min_agreeing_share);
     visitor.Field("max_cell_weight", o.max_cell_weight);
     visitor.Field("huber_threshold", o.huber_threshold);
     visitor.Field("max_iterations", o.max_iterations);
@@ -186,7 +187,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
     visitor.Field("min_parallax", o.min_parallax);
     visitor.Field("max_reprojection_error", o.max_reprojection_error);
-    visitor.Field("min_depth_share", o.min_depth_share);
+    visitor.Field("min_distance_share", o.min_distance_share);
   });
   for (const auto& [name, bundle] :
        {std::pair{"local_bundle", &options.local_bundle}, std::pair{"turn_bundle", &options.turn_bundle},

@@ -11,8 +11,8 @@ struct TurnTestOptions {
   /// Or if the side slip deviates from its prior by more than this many standard deviations. (The yaw may deviate:
   /// it is observed on straights.)
   double max_prior_deviation = 2.5;
-  /// Or if a turn deviates from the estimate by more than this many standard deviations of its own. Chi-squared has not
-  /// all turns: the first one after a gap, which may contradict what was assumed of the gap, is not in it.
+  /// Or if a turn deviates from the estimate by more than this many standard deviations of its own. Chi-squared does
+  /// not include all turns: not the first one after a gap, which may contradict what was assumed of the gap.
   double max_turn_deviation = 5;
   /// Inconsistencies below this change of the scale (relative) are ignored.
   double min_disagreement = 0.05;

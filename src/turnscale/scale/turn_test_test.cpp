@@ -76,6 +76,12 @@ TEST(TurnTest, OneTurnThatDeviatesByFarIsAContradiction) {
   TurnTestInput input = Alike(4, 0.3, 0);
   input.differences[0] = 3;
   EXPECT_FALSE(TestTurns(input, {}).contradicted);
+  for (const double sign : {-1.0, 1.0}) {
+    input.deviations[0] = 4.9 * sign;
+    EXPECT_FALSE(TestTurns(input, {}).contradicted);
+    input.deviations[0] = 5.1 * sign;
+    EXPECT_TRUE(TestTurns(input, {}).contradicted);
+  }
   input.deviations[0] = -18;
   const TurnTest test = TestTurns(input, {});
   EXPECT_TRUE(test.contradicted);
