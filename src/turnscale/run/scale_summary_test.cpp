@@ -46,6 +46,25 @@ TEST(ScaleSummary, ImpossibleMotionIsNamedAndPartOfSigma) {
   EXPECT_NEAR(summary.scale.path_sigma, 0.18, 0.02) << "about 180 m of 1020 m";
 }
 
+TEST(ScaleSummary, ImpossibleDirectionsAreNamedAndPartOfSigma) {
+  std::vector<FrameResult> refined(600);
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < refined.size(); ++i) {
+    place += i > 200 && i <= 260 ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 0, 1);
+    refined[i].time = 0.1 * static_cast<double>(i);
+    refined[i].state = TrackingState::kTracked;
+    refined[i].scale_state = ScaleState::kHeld;
+    refined[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), place};
+  }
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  scale.estimate->length_sigma = 0.02;
+  const RunSummary summary = SummaryOf({}, refined, scale);
+  ASSERT_EQ(summary.warnings.size(), 1U);
+  EXPECT_NE(summary.warnings[0].find("90 degrees to the right"), std::string::npos) << summary.warnings[0];
+  EXPECT_NEAR(summary.scale.path_sigma, 0.1, 0.02) << "60 m of 599 m";
+}
+
 // 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
 TEST(ScaleSummary, ABeginningWithoutAMapWidensSigma) {
   const auto summary_of = [](int late, TrackingState last_of_them, int count = 100) {
