@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 namespace turnscale {
 namespace {
@@ -23,7 +22,7 @@ constexpr double kLeastRatio = 2;
 constexpr int kBlockSide = 4;
 // For missing images, two images differ by so many times as much as any two shortly before, seconds, that are
 // consecutive or this far apart: at any rate, a jump is more than the motion of a moment. On recorded drives at 10
-// images per second, consecutive images differ by less, and nine of ten gaps of a second by more.
+// images per second, consecutive images differ by less, and most gaps of a second by more.
 constexpr double kLeastJump = 1.5;
 constexpr double kShortlyBefore = 1;
 constexpr double kMoment = 0.09;

@@ -5,21 +5,6 @@
 #include <cmath>
 
 namespace turnscale {
-namespace {
-
-struct AxlePose {
-  Eigen::Vector3d position;
-  Eigen::Vector3d forward;
-};
-
-AxlePose RearAxle(const FrameResult& frame, double lever_arm) {
-  const RigidTransform& camera = *frame.world_from_camera;
-  const Eigen::Vector3d forward = camera.rotation * (frame.vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
-  return {camera.translation - lever_arm * forward, forward};
-}
-
-}  // namespace
-
 std::vector<SpeedReading> SpeedsOf(const std::vector<FrameResult>& frames, double lever_arm) {
   const auto is_tracked = [](const FrameResult& frame) { return frame.state == TrackingState::kTracked; };
   const auto first = std::find_if(frames.begin(), frames.end(), is_tracked);

@@ -171,17 +171,17 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
   if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
+  const Eigen::Quaterniond vehicle_from_camera = vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity());
   const TwoViewResult moving = MatchWithout(still);
-  const bool drives = moving.status == TwoViewStatus::kInitialized &&
-                      IsOfCar(moving.second_from_first, vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity()));
+  const bool drives =
+      moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first, vehicle_from_camera);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);
   if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none, true};
   // A dashboard and a scene that turns look like near and far points beside a camera that moves sideways.
   if (all.status == TwoViewStatus::kInitialized &&
-      (!IsOfCar(all.second_from_first, vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity())) ||
-       !BelongToScene(still, all.second_from_first)))
+      (!IsOfCar(all.second_from_first, vehicle_from_camera) || !BelongToScene(still, all.second_from_first)))
     all.status = TwoViewStatus::kFailed;
   return {all, none, true};
 }

@@ -57,4 +57,10 @@ std::optional<TrackingState> TrackingStateNamed(std::string_view name) {
                TrackingStateName);
 }
 
+AxlePose RearAxle(const FrameResult& frame, double lever_arm) {
+  const RigidTransform& camera = *frame.world_from_camera;
+  const Eigen::Vector3d forward = camera.rotation * (frame.vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitZ());
+  return {camera.translation - lever_arm * forward, forward};
+}
+
 }  // namespace turnscale

@@ -61,6 +61,15 @@ inline double DistanceBetween(const FrameResult& a, const FrameResult& b) {
   return (a.world_from_camera->translation - b.world_from_camera->translation).norm();
 }
 
+/// The rear axle of the car, in the frame and the unit of the poses.
+struct AxlePose {
+  Eigen::Vector3d position;
+  Eigen::Vector3d forward;  ///< direction of the car's axis, of length 1
+};
+
+/// The rear axle at a frame that has a pose. `lever_arm`: in the unit of the poses.
+AxlePose RearAxle(const FrameResult& frame, double lever_arm);
+
 /// One turn and its single-turn scale. Scales are in metres per unit of the map, 0 where there is none; standard
 /// deviations are in the same unit.
 struct TurnResult {

@@ -36,10 +36,6 @@ Eigen::Quaterniond WorldFromVehicle(const FrameResult& frame) {
   return frame.world_from_camera->rotation * frame.vehicle_from_camera.conjugate();
 }
 
-Eigen::Vector3d RearAxle(const FrameResult& frame, double lever_arm) {
-  return frame.world_from_camera->translation - WorldFromVehicle(frame) * Eigen::Vector3d(0, 0, lever_arm);
-}
-
 std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double lever_arm) {
   std::vector<Direction> directions;
   size_t first = 0;
@@ -49,7 +45,7 @@ std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double
       continue;
     }
     while (frames[i].time - frames[first].time > kLongest) ++first;
-    const Eigen::Vector3d moved = RearAxle(frames[i], lever_arm) - RearAxle(frames[first], lever_arm);
+    const Eigen::Vector3d moved = RearAxle(frames[i], lever_arm).position - RearAxle(frames[first], lever_arm).position;
     if (moved.norm() < kLength) continue;
     const Eigen::Quaterniond begin = WorldFromVehicle(frames[first]);
     const Eigen::Quaterniond end = WorldFromVehicle(frames[i]);
