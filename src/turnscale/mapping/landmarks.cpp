@@ -35,13 +35,15 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
   return x;
 }
 
-// Of the landmarks that have a depth; 0 if they are too few to tell.
-double MedianDistance(const std::vector<int>& landmarks, const RigidTransform& camera_from_world, const Map& map) {
+// That a tenth of the landmarks with a depth are nearer than; 0 if they are too few to tell. The distance of far ones
+// is not certain.
+double NearDistance(const std::vector<int>& landmarks, const RigidTransform& camera_from_world, const Map& map) {
   constexpr size_t kFewest = 10;
+  constexpr double kNearest = 0.1;
   std::vector<double> distances;
   for (const int index : landmarks)
     if (map.landmarks[index].valid) distances.push_back((camera_from_world * map.landmarks[index].position).norm());
-  return distances.size() < kFewest ? 0.0 : Median(std::move(distances));
+  return distances.size() < kFewest ? 0.0 : Quantile(std::move(distances), kNearest);
 }
 
 }  // namespace
@@ -67,7 +69,7 @@ double ReprojectionError(const Map& map, int landmark, const LandmarkObservation
 
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
   const RigidTransform& latest_from_world = map.keyframes.back().camera_from_world;
-  const double least_distance = options.min_distance_share * MedianDistance(landmarks, latest_from_world, map);
+  const double least_distance = options.min_distance_share * NearDistance(landmarks, latest_from_world, map);
   for (const int index : landmarks) {
     Landmark& landmark = map.landmarks[index];
     if (landmark.valid || landmark.observations.size() < kFewestSightings) continue;

@@ -15,7 +15,7 @@ struct LandmarkOptions {
   double min_parallax = 2;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
-  /// Least distance of a new landmark, as a share of the median of those that have a depth: what passes before a car
+  /// Least distance of a new landmark, as a share of that of the nearest tenth with a depth: what passes before a car
   /// that stands would seem to be very near, by the noise of its pose.
   double min_distance_share = 0.02;
 
