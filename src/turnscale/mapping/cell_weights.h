@@ -15,4 +15,10 @@ namespace turnscale {
 /// the scene come and go: by their number, they would dominate the pose.
 std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels, double most);
 
+/// Width of the part of the image that pixels lie in, as a share of the width of the part that all lie in: from the
+/// 10th to the 90th percentile, weighed by CellWeights, so that a few of them decide nothing. `is_counted`: one flag
+/// per pixel. 0 if none is counted.
+double ShareOfWidth(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+                    const std::vector<char>& is_counted);
+
 }  // namespace turnscale

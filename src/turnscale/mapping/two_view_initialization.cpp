@@ -10,6 +10,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/triangulation.h"
+#include "turnscale/mapping/cell_weights.h"
 #include "turnscale/mapping/essential_motion.h"
 #include "turnscale/mapping/landmarks.h"
 
@@ -67,6 +68,41 @@ double LandmarksNeeded(const TwoViewOptions& options, const Pinhole& pinhole, do
   return std::clamp<double>(share * static_cast<double>(matches), options.fewest_landmarks, options.min_landmarks);
 }
 
+bool AgreesEnough(const TwoViewOptions& options, int agreeing, size_t matches) {
+  return agreeing > 0 && agreeing >= options.min_inlier_share * static_cast<double>(matches);
+}
+
+// Matches that share a motion, and how many others there are that share another.
+struct CommonMotion {
+  EssentialMotion motion;
+  size_t set_aside = 0;
+};
+
+// The motion of most matches, unless those that agree with it are in a narrow part of the image, and the others share
+// another motion: a vehicle ahead may have most of the matches. Then that of the others, if these span the scene.
+CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinhole,
+                             const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second) {
+  CommonMotion most{.motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error)};
+  const std::vector<char>& narrow = most.motion.inlier;
+  if (narrow.empty() || SpansScene(options, pinhole, second, narrow)) return most;
+  std::vector<Eigen::Vector2d> other_first;
+  std::vector<Eigen::Vector2d> other_second;
+  for (size_t i = 0; i < first.size(); ++i) {
+    if (narrow[i] != 0) continue;
+    other_first.push_back(first[i]);
+    other_second.push_back(second[i]);
+  }
+  if (static_cast<int>(other_first.size()) < options.fewest_landmarks) return most;
+  CommonMotion rest{.motion = FindEssentialMotion(pinhole, other_first, other_second, options.max_epipolar_error),
+                    .set_aside = first.size() - other_first.size()};
+  if (!AgreesEnough(options, rest.motion.agreeing, other_first.size())) return most;
+  std::vector<char> inlier(first.size(), 0);
+  for (size_t i = 0, k = 0; i < first.size(); ++i)
+    if (narrow[i] == 0) inlier[i] = rest.motion.inlier[k++];
+  rest.motion.inlier = SpansScene(options, pinhole, second, inlier) ? std::move(inlier) : std::vector<char>();
+  return rest;
+}
+
 // Takes the motion and the landmarks, and returns how many landmarks there are. The baseline defines the unit.
 int TakeLandmarks(const TwoViewOptions& options, const Pinhole& pinhole, const TwoViewGeometry& geometry,
                   const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second,
@@ -103,9 +139,15 @@ void TwoViewOptions::Check() const {
   if (fewest_landmarks < 8 || fewest_landmarks > min_landmarks)
     throw InputError("fewest_landmarks: has to be from 8 to min_landmarks");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) throw InputError("min_inlier_share: has to be in 0...1");
+  if (!(min_width_share >= 0 && min_width_share <= 1)) throw InputError("min_width_share: has to be in 0...1");
   if (!(min_landmark_parallax_deg > 0)) throw InputError("min_landmark_parallax_deg: has to be positive");
   if (!(initial_baseline > 0 && std::isfinite(initial_baseline)))
     throw InputError("initial_baseline: has to be a positive number");
+}
+
+bool SpansScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+                const std::vector<char>& agrees) {
+  return ShareOfWidth(pinhole, pixels, agrees) >= options.min_width_share;
 }
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
@@ -128,18 +170,19 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
-  const EssentialMotion motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error);
+  const auto [motion, set_aside] = FindSceneMotion(options, pinhole, first, second);
   if (motion.inlier.empty()) return result;
+  const size_t matches = first.size() - set_aside;
 
   // Where most features are far away, too few of those that agree are near enough for a depth.
   const int agreeing = near_have_gone
                            ? motion.agreeing
                            : static_cast<int>(std::ranges::count_if(motion.inlier, [](char c) { return c != 0; }));
-  if (agreeing < options.min_inlier_share * static_cast<double>(first.size())) return result;
+  if (!AgreesEnough(options, agreeing, matches)) return result;
   const std::optional<TwoViewGeometry> geometry = AdjustTwoViews(pinhole, motion, first, second);
   if (!geometry) return result;
   const int landmarks = TakeLandmarks(options, pinhole, *geometry, first, second, result);
-  if (landmarks >= LandmarksNeeded(options, pinhole, result.parallax, first.size()))
+  if (landmarks >= LandmarksNeeded(options, pinhole, result.parallax, matches))
     result.status = TwoViewStatus::kInitialized;
   result.essential = motion;
   return result;

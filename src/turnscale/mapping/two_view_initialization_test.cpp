@@ -60,6 +60,27 @@ TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
   EXPECT_GT(good, 200);
 }
 
+TEST(TwoViewInitialization, AVehicleAheadIsNotTheScene) {
+  const RigidTransform truth{RotationFromVector({0.002, 0.01, 0.001}), {0.1, 0.0, -1.5}};
+  Views views = MakeViews(truth, 0.3, 1);
+  const size_t in_scene = views.first.size();
+  // Two thirds of all matches are on a vehicle that drives away from the camera, and to the left.
+  const Views vehicle = MakeViews({Eigen::Quaterniond::Identity(), {-1.5, 0.1, 1.0}}, 0.3, 2);
+  for (int round = 0; round < 6; ++round)
+    for (size_t i = 0; i < vehicle.first.size(); ++i)
+      if (std::abs(vehicle.first[i].x() - 600) < 150) {
+        const Eigen::Vector2d shift(0.3 * round, 0.1 * round);
+        views.first.emplace_back(vehicle.first[i] + shift);
+        views.second.emplace_back(vehicle.second[i] + shift);
+      }
+  ASSERT_GT(views.first.size(), 2 * in_scene);
+  const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);
+  ASSERT_EQ(result.status, TwoViewStatus::kInitialized);
+  EXPECT_LT(RotationAngle(result.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.1);
+  const double cosine = result.second_from_first.translation.normalized().dot(truth.translation.normalized());
+  EXPECT_GT(cosine, std::cos(1 / kDegreesPerRadian));
+}
+
 TEST(TwoViewInitialization, NoticesStandstill) {
   const Views views = MakeViews({}, 0.3, 2);
   const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);

@@ -167,14 +167,25 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
   return Median(std::move(motion)) <= kMostMotionShare * options_.static_regions.max_motion;
 }
 
+bool MapInitializer::SpansScene(const TwoViewResult& views, const std::vector<char>& left_out) const {
+  std::vector<char> agrees(left_out.size(), 0);
+  for (size_t i = 0, k = 0; i < left_out.size(); ++i)
+    if (left_out[i] == 0) agrees[i] = views.essential.inlier[k++];
+  return turnscale::SpansScene(options_.initialization, camera_.pinhole, frames_.back().pixels, agrees);
+}
+
 MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
   if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
   const Eigen::Quaterniond vehicle_from_camera = vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity());
-  const TwoViewResult moving = MatchWithout(still);
-  const bool drives =
-      moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first, vehicle_from_camera);
+  TwoViewResult moving = MatchWithout(still);
+  const bool moves = moving.status == TwoViewStatus::kInitialized;
+  if (moves && !SpansScene(moving, still)) {
+    moving.status = TwoViewStatus::kFailed;
+    return {moving, still, true};
+  }
+  const bool drives = moves && IsOfCar(moving.second_from_first, vehicle_from_camera);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);

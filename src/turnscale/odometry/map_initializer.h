@@ -77,6 +77,9 @@ class MapInitializer {
   Matches MatchesWithout(const std::vector<char>& left_out) const;
   TwoViewResult MatchWithout(const std::vector<char>& left_out) const;
   bool MayBePassing(const TwoViewResult& views, const std::vector<char>& left_out) const;
+  /// Whether what agrees with the motion of two views is in view over enough of the width of all that is in view:
+  /// beside a scene that stands still, it may be a vehicle that leaves.
+  bool SpansScene(const TwoViewResult& views, const std::vector<char>& left_out) const;
   /// Whether the first view is out of sight.
   bool HasGone(const WaitingFrame& next) const;
   /// Features that are where the first view saw them: one flag per feature seen.

@@ -131,6 +131,34 @@ TEST(MapInitializer, WhatPassesBeforeAStandingCameraIsNoStart) {
   }
 }
 
+TEST(MapInitializer, AVehicleThatLeavesBeforeAStandingCameraIsNoStart) {
+  // Its rear, in the middle of the image, shrinks about the point that the vehicle drives to, the edges less than the
+  // middle: motion straight back, if it were the scene.
+  const Boards boards(5);
+  const SyntheticTexture rear(50, 8, 60);
+  const CameraModel camera = SmallCamera();
+  const Eigen::Vector2d centre(240, 110);
+  const auto starts = [&](double min_width_share) {
+    OdometryOptions options;
+    options.initialization.min_width_share = min_width_share;
+    MapInitializer initializer(options, camera);
+    bool started = false;
+    for (int frame = 0; frame < 14; ++frame) {
+      cv::Mat image = boards.Seen(camera, Moved(0));
+      const cv::Mat leaving = MakeImage(image.size(), [&](const Eigen::Vector2d& pixel) {
+        const double depth = pixel.x() < 200 || pixel.x() > 280 ? 1.5 : 1;
+        return rear.At(centre + (1 + 0.02 * frame / depth) * (pixel - centre));
+      });
+      const cv::Rect covered(160, 20, 160, 200);
+      leaving(covered).copyTo(image(covered));
+      started = started || initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame);
+    }
+    return started;
+  };
+  EXPECT_TRUE(starts(0));
+  EXPECT_FALSE(starts(OdometryOptions().initialization.min_width_share));
+}
+
 TEST(MapInitializer, WhatPassesAndFillsTheImageIsNoStart) {
   const SyntheticTexture wall(50, 8, 60);
   const auto starts = [&](const std::optional<Eigen::Quaterniond>& vehicle_from_camera) {
