@@ -6,56 +6,64 @@
 #include <map>
 #include <utility>
 
+#include "turnscale/base/quantiles.h"
+
 namespace turnscale {
 namespace {
 
-// (column, weight) of pixels.
-using Columns = std::vector<std::pair<double, double>>;
+using Cell = std::pair<long, long>;
 
-double Width(Columns columns) {
-  constexpr double kEdge = 0.1;
-  std::ranges::sort(columns);
-  double total = 0;
-  for (const auto& [column, weight] : columns) total += weight;
-  const auto at = [&](double share) {
-    double sum = 0;
-    for (const auto& [column, weight] : columns) {
-      sum += weight;
-      if (sum >= share * total) return column;
-    }
-    return 0.0;
-  };
-  return at(1 - kEdge) - at(kEdge);
+Cell CellOf(const Pinhole& pinhole, const Eigen::Vector2d& pixel) {
+  constexpr double kCellsPerFocalLength = 8;
+  const double size = pinhole.fx / kCellsPerFocalLength;
+  return {std::lround(pixel.x() / size), std::lround(pixel.y() / size)};
 }
+
+// What lies in a cell.
+struct Content {
+  int pixels = 0;
+  int counted = 0;
+
+  bool IsCounted() const { return 2 * counted > pixels; }
+};
 
 }  // namespace
 
 std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels, double most) {
-  constexpr double kCellsPerFocalLength = 8;
-  const double size = pinhole.fx / kCellsPerFocalLength;
-  std::vector<std::pair<long, long>> cells;
+  std::vector<Cell> cells;
   cells.reserve(pixels.size());
-  for (const Eigen::Vector2d& pixel : pixels)
-    cells.emplace_back(std::lround(pixel.x() / size), std::lround(pixel.y() / size));
-  std::map<std::pair<long, long>, int> counts;
-  for (const auto& each : cells) ++counts[each];
+  for (const Eigen::Vector2d& pixel : pixels) cells.push_back(CellOf(pinhole, pixel));
+  std::map<Cell, int> counts;
+  for (const Cell& each : cells) ++counts[each];
   std::vector<double> weights;
   weights.reserve(pixels.size());
-  for (const auto& each : cells) weights.push_back(std::min(1.0, most / counts[each]));
+  for (const Cell& each : cells) weights.push_back(std::min(1.0, most / counts[each]));
   return weights;
 }
 
-double ShareOfWidth(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+double ShareOfCells(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
                     const std::vector<char>& is_counted) {
-  const std::vector<double> weights = CellWeights(pinhole, pixels, 1);
-  Columns all;
-  Columns counted;
+  constexpr double kEdge = 0.1;
+  std::map<Cell, Content> cells;
   for (size_t i = 0; i < pixels.size(); ++i) {
-    all.emplace_back(pixels[i].x(), weights[i]);
-    if (is_counted[i] != 0) counted.push_back(all.back());
+    Content& content = cells[CellOf(pinhole, pixels[i])];
+    ++content.pixels;
+    content.counted += is_counted[i] != 0 ? 1 : 0;
   }
-  const double width = Width(std::move(all));
-  return counted.empty() || !(width > 0) ? 0 : Width(std::move(counted)) / width;
+  std::vector<double> rows;
+  for (const auto& [cell, content] : cells)
+    if (content.IsCounted()) rows.push_back(static_cast<double>(cell.second));
+  if (rows.empty()) return 0;
+  const double top = Quantile(rows, kEdge);
+  const double bottom = Quantile(rows, 1 - kEdge);
+  int all = 0;
+  int counted = 0;
+  for (const auto& [cell, content] : cells) {
+    if (static_cast<double>(cell.second) < top || static_cast<double>(cell.second) > bottom) continue;
+    ++all;
+    counted += content.IsCounted() ? 1 : 0;
+  }
+  return static_cast<double>(counted) / all;
 }
 
 }  // namespace turnscale

@@ -15,10 +15,9 @@ namespace turnscale {
 /// the scene come and go: by their number, they would dominate the pose.
 std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels, double most);
 
-/// Width of the part of the image that pixels lie in, as a share of the width of the part that all lie in: from the
-/// 10th to the 90th percentile, weighed by CellWeights, so that a few of them decide nothing. `is_counted`: one flag
-/// per pixel. 0 if none is counted.
-double ShareOfWidth(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+/// Share of the cells (those of CellWeights) in which most pixels are counted (one flag per undistorted pixel), of the
+/// cells with pixels in the same rows: neither a crowd nor a dashboard below decides. 0 if there is no such cell.
+double ShareOfCells(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
                     const std::vector<char>& is_counted);
 
 }  // namespace turnscale

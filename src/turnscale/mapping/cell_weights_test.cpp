@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/cell_weights.h"
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -22,26 +23,31 @@ TEST(CellWeights, ACrowdSharesAWeight) {
   EXPECT_TRUE(CellWeights(pinhole, {}, 2).empty());
 }
 
-TEST(CellWeights, ShareOfWidthDoesNotDependOnHowManyThereAre) {
+TEST(CellWeights, ShareOfCellsDoesNotDependOnHowManyPixelsThereAre) {
   const Pinhole pinhole{100, 100, 300, 200};
   std::vector<Eigen::Vector2d> pixels;
   std::vector<char> is_in_middle;
-  for (int column = 0; column <= 600; column += 15) {
+  for (int column = 0; column < 600; column += 15) {
     const bool is_in_crowd = column >= 225 && column <= 375;
     for (int i = 0; i < (is_in_crowd ? 50 : 1); ++i) {
       pixels.emplace_back(column, 100);
       is_in_middle.push_back(is_in_crowd ? 1 : 0);
     }
   }
-  EXPECT_NEAR(ShareOfWidth(pinhole, pixels, is_in_middle), 0.25, 0.1);
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_in_middle), 11.0 / 40, 0.05);
+  // One of a crowd counts for nothing.
   std::vector<char> is_beside = is_in_middle;
   for (char& each : is_beside) each = each == 0 ? 1 : 0;
-  EXPECT_NEAR(ShareOfWidth(pinhole, pixels, is_beside), 1, 0.1);
-  // One wrong match at the edge.
-  is_in_middle.back() = 1;
-  EXPECT_LT(ShareOfWidth(pinhole, pixels, is_in_middle), 0.6);
-  EXPECT_EQ(ShareOfWidth(pinhole, pixels, std::vector<char>(pixels.size(), 0)), 0);
-  EXPECT_EQ(ShareOfWidth(pinhole, {}, {}), 0);
+  *std::ranges::find(is_beside, 0) = 1;
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside), 29.0 / 40, 0.05);
+  // So does a dashboard below.
+  for (int column = 0; column < 600; column += 15) {
+    pixels.emplace_back(column, 300);
+    is_beside.push_back(0);
+  }
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside), 29.0 / 40, 0.05);
+  EXPECT_EQ(ShareOfCells(pinhole, pixels, std::vector<char>(pixels.size(), 0)), 0);
+  EXPECT_EQ(ShareOfCells(pinhole, {}, {}), 0);
 }
 
 }  // namespace

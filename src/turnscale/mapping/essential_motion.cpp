@@ -36,6 +36,12 @@ std::vector<cv::Point2d> AtDepthOne(const Pinhole& pinhole, const std::vector<Ei
   return points;
 }
 
+std::vector<char> FlagsOf(const cv::Mat& mask) {
+  std::vector<char> flags;
+  for (const uchar flag : cv::Mat_<uchar>(mask)) flags.push_back(flag != 0 ? 1 : 0);
+  return flags;
+}
+
 std::vector<cv::Point2d> InliersOf(const EssentialMotion& motion, const std::vector<cv::Point2d>& points) {
   std::vector<cv::Point2d> inliers;
   for (std::size_t i = 0; i < motion.inlier.size(); ++i)
@@ -76,7 +82,7 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
   const cv::Mat essential = cv::findEssentialMat(a, b, identity, cv::RANSAC, kConfidence, max_error / pinhole.fx, mask);
   EssentialMotion motion;
   if (essential.rows != 3) return motion;
-  motion.agreeing = cv::countNonZero(mask);
+  motion.agrees = FlagsOf(mask);
   cv::Mat rotation;
   cv::Mat translation;
   // Points farther than this many baselines do not decide which of the four motions is right.
@@ -87,7 +93,7 @@ EssentialMotion FindEssentialMotion(const Pinhole& pinhole, const std::vector<Ei
   motion.second_from_first.rotation = Eigen::Quaterniond(R).normalized();
   motion.second_from_first.translation = {translation.at<double>(0), translation.at<double>(1),
                                           translation.at<double>(2)};
-  for (const uchar flag : cv::Mat_<uchar>(mask)) motion.inlier.push_back(flag != 0 ? 1 : 0);
+  motion.inlier = FlagsOf(mask);
   return motion;
 }
 

@@ -16,8 +16,8 @@ namespace turnscale {
 /// Motion between two views by matches, some of which may be wrong.
 struct EssentialMotion {
   RigidTransform second_from_first;  ///< unit translation
-  int agreeing = 0;                  ///< matches, far ones included
-  std::vector<char> inlier;  ///< one flag per match: it agrees, and is near enough for a depth; empty: no motion
+  std::vector<char> agrees;          ///< one flag per match; empty: no motion
+  std::vector<char> inlier;          ///< one flag per match: it agrees, and is near enough for a depth
 };
 
 /// Five-point essential matrix with RANSAC, and the one of its four motions that puts most points in front of both

@@ -68,8 +68,28 @@ double LandmarksNeeded(const TwoViewOptions& options, const Pinhole& pinhole, do
   return std::clamp<double>(share * static_cast<double>(matches), options.fewest_landmarks, options.min_landmarks);
 }
 
-bool AgreesEnough(const TwoViewOptions& options, int agreeing, size_t matches) {
-  return agreeing > 0 && agreeing >= options.min_inlier_share * static_cast<double>(matches);
+int Count(const std::vector<char>& flags) { return static_cast<int>(std::ranges::count(flags, 1)); }
+
+bool AgreeEnough(const TwoViewOptions& options, int agreeing, size_t matches) {
+  return agreeing >= options.min_inlier_share * static_cast<double>(matches);
+}
+
+using Pixels = std::vector<Eigen::Vector2d>;
+
+template <typename T>
+std::vector<T> Without(const std::vector<char>& left_out, const std::vector<T>& all) {
+  std::vector<T> kept;
+  for (size_t i = 0; i < all.size(); ++i)
+    if (left_out[i] == 0) kept.push_back(all[i]);
+  return kept;
+}
+
+// Flags of all from those without the ones left out, which get 0.
+std::vector<char> FlagsOfAll(const std::vector<char>& left_out, const std::vector<char>& kept) {
+  std::vector<char> flags(left_out.size(), 0);
+  for (size_t i = 0, k = 0; i < left_out.size(); ++i)
+    if (left_out[i] == 0) flags[i] = kept[k++];
+  return flags;
 }
 
 // Matches that share a motion, and how many others there are that share another.
@@ -78,29 +98,31 @@ struct CommonMotion {
   size_t set_aside = 0;
 };
 
-// The motion of most matches, unless those that agree with it are in a narrow part of the image, and the others share
-// another motion: a vehicle ahead may have most of the matches. Then that of the others, if these span the scene.
-CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinhole,
-                             const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second) {
+// The motion of most matches, unless those near enough for a depth have too few cells of the image, and the others
+// share another motion: then the one that has more cells, if these are enough, as a vehicle ahead may have most of the
+// matches.
+CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinhole, const Pixels& first,
+                             const Pixels& second) {
   CommonMotion most{.motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error)};
-  const std::vector<char>& narrow = most.motion.inlier;
-  if (narrow.empty() || SpansScene(options, pinhole, second, narrow)) return most;
-  std::vector<Eigen::Vector2d> other_first;
-  std::vector<Eigen::Vector2d> other_second;
-  for (size_t i = 0; i < first.size(); ++i) {
-    if (narrow[i] != 0) continue;
-    other_first.push_back(first[i]);
-    other_second.push_back(second[i]);
-  }
-  if (static_cast<int>(other_first.size()) < options.fewest_landmarks) return most;
-  CommonMotion rest{.motion = FindEssentialMotion(pinhole, other_first, other_second, options.max_epipolar_error),
-                    .set_aside = first.size() - other_first.size()};
-  if (!AgreesEnough(options, rest.motion.agreeing, other_first.size())) return most;
-  std::vector<char> inlier(first.size(), 0);
-  for (size_t i = 0, k = 0; i < first.size(); ++i)
-    if (narrow[i] == 0) inlier[i] = rest.motion.inlier[k++];
-  rest.motion.inlier = SpansScene(options, pinhole, second, inlier) ? std::move(inlier) : std::vector<char>();
-  return rest;
+  const std::vector<char>& of_most = most.motion.inlier;
+  if (of_most.empty() || IsScene(options, pinhole, second, of_most)) return most;
+  const Pixels other_first = Without(of_most, first);
+  const size_t others = other_first.size();
+  if (static_cast<int>(others) < options.fewest_landmarks) return most;
+  CommonMotion rest{
+      .motion = FindEssentialMotion(pinhole, other_first, Without(of_most, second), options.max_epipolar_error)};
+  if (rest.motion.agrees.empty() || !AgreeEnough(options, Count(rest.motion.agrees), others)) return most;
+  // Where most of the scene is far away, the others have the same motion.
+  if (AgreeEnough(options, Count(most.motion.agrees) - Count(of_most), others)) return most;
+  rest.motion.agrees = FlagsOfAll(of_most, rest.motion.agrees);
+  rest.motion.inlier = FlagsOfAll(of_most, rest.motion.inlier);
+  const bool rest_is_larger =
+      ShareOfCells(pinhole, second, rest.motion.inlier) > ShareOfCells(pinhole, second, of_most);
+  CommonMotion& larger = rest_is_larger ? rest : most;
+  const std::vector<char>& smaller = rest_is_larger ? of_most : rest.motion.inlier;
+  if (!IsScene(options, pinhole, Without(smaller, second), Without(smaller, larger.motion.inlier))) return {};
+  larger.set_aside = Count(smaller);
+  return larger;
 }
 
 // Takes the motion and the landmarks, and returns how many landmarks there are. The baseline defines the unit.
@@ -139,15 +161,15 @@ void TwoViewOptions::Check() const {
   if (fewest_landmarks < 8 || fewest_landmarks > min_landmarks)
     throw InputError("fewest_landmarks: has to be from 8 to min_landmarks");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1)) throw InputError("min_inlier_share: has to be in 0...1");
-  if (!(min_width_share >= 0 && min_width_share <= 1)) throw InputError("min_width_share: has to be in 0...1");
+  if (!(min_cell_share >= 0 && min_cell_share <= 1)) throw InputError("min_cell_share: has to be in 0...1");
   if (!(min_landmark_parallax_deg > 0)) throw InputError("min_landmark_parallax_deg: has to be positive");
   if (!(initial_baseline > 0 && std::isfinite(initial_baseline)))
     throw InputError("initial_baseline: has to be a positive number");
 }
 
-bool SpansScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
-                const std::vector<char>& agrees) {
-  return ShareOfWidth(pinhole, pixels, agrees) >= options.min_width_share;
+bool IsScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+             const std::vector<char>& is_counted) {
+  return ShareOfCells(pinhole, pixels, is_counted) >= options.min_cell_share;
 }
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
@@ -171,14 +193,12 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     return result;
   }
   const auto [motion, set_aside] = FindSceneMotion(options, pinhole, first, second);
-  if (motion.inlier.empty()) return result;
+  if (motion.agrees.empty()) return result;
   const size_t matches = first.size() - set_aside;
 
   // Where most features are far away, too few of those that agree are near enough for a depth.
-  const int agreeing = near_have_gone
-                           ? motion.agreeing
-                           : static_cast<int>(std::ranges::count_if(motion.inlier, [](char c) { return c != 0; }));
-  if (!AgreesEnough(options, agreeing, matches)) return result;
+  const int agreeing = Count(near_have_gone ? motion.agrees : motion.inlier);
+  if (!AgreeEnough(options, agreeing, matches)) return result;
   const std::optional<TwoViewGeometry> geometry = AdjustTwoViews(pinhole, motion, first, second);
   if (!geometry) return result;
   const int landmarks = TakeLandmarks(options, pinhole, *geometry, first, second, result);

@@ -34,10 +34,9 @@ struct TwoViewOptions {
   int fewest_landmarks = 40;
   /// Share of the matches that have to agree with the motion found.
   double min_inlier_share = 0.6;
-  /// Width of the part of the image in which matches agree with the motion, as a share of the width of the part in
-  /// which there are matches (ShareOfWidth): what is narrower may be a vehicle ahead, if the other matches share a
-  /// motion, too.
-  double min_width_share = 0.6;
+  /// Share of the image's cells in which most matches agree with the motion (ShareOfCells), below which they may be
+  /// those of a vehicle ahead, if the other matches share a motion, too.
+  double min_cell_share = 0.6;
   /// Angle under which a landmark has to be seen by both views, degrees.
   double min_landmark_parallax_deg = 0.6;
   /// Length of the first baseline: the arbitrary unit of the map.
@@ -59,16 +58,16 @@ struct TwoViewResult {
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
 };
 
-/// Whether features that agree with a motion (one flag per undistorted pixel) are in view over enough of the width of
-/// all.
-bool SpansScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
-                const std::vector<char>& agrees);
+/// Whether features at these undistorted pixels that are counted (one flag per pixel) have enough of the image's cells
+/// to be those of the scene (min_cell_share).
+bool IsScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
+             const std::vector<char>& is_counted);
 
 /// Relative pose and first landmarks from matched undistorted pixels of two views: five-point essential matrix with
 /// RANSAC, the one of its four motions that puts points in front of both cameras, two-view bundle adjustment. Where
-/// those that agree do not span the scene, and the others share another motion, that is taken if these do. Says why not
-/// where the views do not suffice. `gone`: how many features of the first view have been seen after it, but not in the
-/// second view.
+/// those that agree have too few cells of the image, and the others share another motion, that is taken if these have
+/// enough. Says why not where the views do not suffice. `gone`: how many features of the first view have been seen
+/// after it, but not in the second view.
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
                                      const std::vector<Eigen::Vector2d>& first,
                                      const std::vector<Eigen::Vector2d>& second, int gone = 0);

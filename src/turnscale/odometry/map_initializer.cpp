@@ -146,15 +146,16 @@ TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) co
   const int gone = static_cast<int>(frames_[1].features.size() - frames_.back().features.size());
   TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second, gone);
   if (views.status != TwoViewStatus::kInitialized) return views;
-  std::vector<char> triangulated(left_out.size(), 0);
-  std::vector<Eigen::Vector3d> points(left_out.size(), Eigen::Vector3d::Zero());
-  for (size_t i = 0, k = 0; i < left_out.size(); ++i) {
-    if (left_out[i] != 0) continue;
-    triangulated[i] = views.triangulated[k];
-    points[i] = views.points[k++];
-  }
-  views.triangulated = std::move(triangulated);
-  views.points = std::move(points);
+  const auto of_all = [&]<typename T>(const std::vector<T>& kept, const T& nothing) {
+    std::vector<T> all(left_out.size(), nothing);
+    for (size_t i = 0, k = 0; i < left_out.size(); ++i)
+      if (left_out[i] == 0) all[i] = kept[k++];
+    return all;
+  };
+  views.essential.agrees = of_all(views.essential.agrees, char{0});
+  views.essential.inlier = of_all(views.essential.inlier, char{0});
+  views.triangulated = of_all(views.triangulated, char{0});
+  views.points = of_all(views.points, Eigen::Vector3d(0, 0, 0));
   return views;
 }
 
@@ -167,25 +168,19 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
   return Median(std::move(motion)) <= kMostMotionShare * options_.static_regions.max_motion;
 }
 
-bool MapInitializer::SpansScene(const TwoViewResult& views, const std::vector<char>& left_out) const {
-  std::vector<char> agrees(left_out.size(), 0);
-  for (size_t i = 0, k = 0; i < left_out.size(); ++i)
-    if (left_out[i] == 0) agrees[i] = views.essential.inlier[k++];
-  return turnscale::SpansScene(options_.initialization, camera_.pinhole, frames_.back().pixels, agrees);
-}
-
 MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
   if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
   const Eigen::Quaterniond vehicle_from_camera = vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity());
-  TwoViewResult moving = MatchWithout(still);
-  const bool moves = moving.status == TwoViewStatus::kInitialized;
-  if (moves && !SpansScene(moving, still)) {
-    moving.status = TwoViewStatus::kFailed;
-    return {moving, still, true};
-  }
-  const bool drives = moves && IsOfCar(moving.second_from_first, vehicle_from_camera);
+  std::vector<char> has_moved = still;
+  for (char& flag : has_moved) flag = flag == 0 ? 1 : 0;
+  // Of a car that waits, only the vehicle ahead moves.
+  if (!IsScene(options_.initialization, camera_.pinhole, frames_.back().pixels, has_moved))
+    return {{.status = TwoViewStatus::kStandstill}, none, true};
+  const TwoViewResult moving = MatchWithout(still);
+  const bool drives =
+      moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first, vehicle_from_camera);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);
@@ -197,17 +192,17 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   return {all, none, true};
 }
 
-bool MapInitializer::MayBePassing(const TwoViewResult& views, const std::vector<char>& left_out) const {
+bool MapInitializer::MayBePassing(const TwoViewResult& views) const {
   if (!vehicle_from_camera_) return false;
   if (!IsOfCar(views.second_from_first, *vehicle_from_camera_)) return true;
-  const auto [first, second] = MatchesWithout(left_out);
+  const auto [first, second] = MatchesWithout(std::vector<char>(frames_.back().pixels.size(), 0));
   return MayBePassingVehicle(camera_.pinhole, views.essential, first, second,
                              options_.initialization.max_epipolar_error, *vehicle_from_camera_);
 }
 
 std::optional<InitialMap> MapInitializer::TryTwoViews() const {
   const auto [views, left_out, has_still] = MatchViews();
-  if (views.status != TwoViewStatus::kInitialized || MayBePassing(views, left_out)) return std::nullopt;
+  if (views.status != TwoViewStatus::kInitialized || MayBePassing(views)) return std::nullopt;
 
   InitialMap map;
   map.frames = frames_;

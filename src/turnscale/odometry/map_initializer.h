@@ -75,11 +75,9 @@ class MapInitializer {
     std::vector<Eigen::Vector2d> second;
   };
   Matches MatchesWithout(const std::vector<char>& left_out) const;
+  /// Flags and points of the result are those of all features that the latest view has.
   TwoViewResult MatchWithout(const std::vector<char>& left_out) const;
-  bool MayBePassing(const TwoViewResult& views, const std::vector<char>& left_out) const;
-  /// Whether what agrees with the motion of two views is in view over enough of the width of all that is in view:
-  /// beside a scene that stands still, it may be a vehicle that leaves.
-  bool SpansScene(const TwoViewResult& views, const std::vector<char>& left_out) const;
+  bool MayBePassing(const TwoViewResult& views) const;
   /// Whether the first view is out of sight.
   bool HasGone(const WaitingFrame& next) const;
   /// Features that are where the first view saw them: one flag per feature seen.

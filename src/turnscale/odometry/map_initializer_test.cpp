@@ -138,9 +138,9 @@ TEST(MapInitializer, AVehicleThatLeavesBeforeAStandingCameraIsNoStart) {
   const SyntheticTexture rear(50, 8, 60);
   const CameraModel camera = SmallCamera();
   const Eigen::Vector2d centre(240, 110);
-  const auto starts = [&](double min_width_share) {
+  const auto starts = [&](double min_cell_share) {
     OdometryOptions options;
-    options.initialization.min_width_share = min_width_share;
+    options.initialization.min_cell_share = min_cell_share;
     MapInitializer initializer(options, camera);
     bool started = false;
     for (int frame = 0; frame < 14; ++frame) {
@@ -156,7 +156,7 @@ TEST(MapInitializer, AVehicleThatLeavesBeforeAStandingCameraIsNoStart) {
     return started;
   };
   EXPECT_TRUE(starts(0));
-  EXPECT_FALSE(starts(OdometryOptions().initialization.min_width_share));
+  EXPECT_FALSE(starts(OdometryOptions().initialization.min_cell_share));
 }
 
 TEST(MapInitializer, WhatPassesAndFillsTheImageIsNoStart) {

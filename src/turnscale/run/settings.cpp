@@ -161,7 +161,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("min_landmark_share", o.min_landmark_share);
     visitor.Field("fewest_landmarks", o.fewest_landmarks);
     visitor.Field("min_inlier_share", o.min_inlier_share);
-    visitor.Field("min_width_share", o.min_width_share);
+    visitor.Field("min_cell_share", o.min_cell_share);
     visitor.Field("min_landmark_parallax_deg", o.min_landmark_parallax_deg);
     visitor.Field("initial_baseline", o.initial_baseline);
   });
