@@ -92,8 +92,9 @@ class ClipReader : public FrameReader {
   bool begun_ = false;   // an image has been given
   std::string overlap_;  // its notice, before the next image
   bool overlap_named_ = false;
-  double gap_ = 0;      // before the next image
-  std::string notice_;  // before the next image
+  double gap_ = 0;            // before the next image
+  bool unknown_gap_ = false;  // before the next image
+  std::string notice_;        // before the next image
   std::string ends_early_;
 };
 

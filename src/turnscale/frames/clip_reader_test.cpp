@@ -191,6 +191,9 @@ TEST_F(ClipReaderTest, ShortGapsAreSeen) {
       unknown[40].notice,
       "images seem to be missing between a.mp4 and b.mp4 (at 4.0 s of the drive), nothing tells for how long: the "
       "path may be too short there");
+  EXPECT_TRUE(unknown[40].unknown_gap);
+  EXPECT_FALSE(unknown[41].unknown_gap);
+  EXPECT_FALSE(images[40].unknown_gap);
 }
 
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {

@@ -30,6 +30,8 @@ struct ClipPart {
   double end = 0;    ///< time of its last frame
   int frames = 0;
   double gap_before = 0;  ///< seconds between the clip before and this one that are not recorded
+  /// Images seem to be missing between the clip before and this one, and nothing tells for how long.
+  bool unknown_gap_before = false;
 };
 
 struct ImageSourceOptions {

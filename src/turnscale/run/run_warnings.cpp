@@ -24,7 +24,7 @@ constexpr auto kMeasureAgain =
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
 // Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
-// not follow one another.
+// not follow one another. Where images are seen to be missing before a clip, the reader of the clips has said so.
 std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const std::vector<MissingPart>& missing,
                                       double first_time) {
   constexpr double kAtOnce = 0.15;  // s
@@ -34,7 +34,7 @@ std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const 
     const bool lost = std::ranges::any_of(missing, [&](const MissingPart& part) {
       return part.reason == MissingReason::kLost && std::abs(part.from - clip.start) < kAtOnce;
     });
-    if (!lost || clip.gap_before > 0) continue;
+    if (!lost || clip.gap_before > 0 || clip.unknown_gap_before) continue;
     const auto name = [](const ClipPart& part) { return std::filesystem::path(part.file).filename().string(); };
     warnings.push_back(
         fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "

@@ -169,15 +169,16 @@ TEST(RunWarnings, WhatAWrongCalibrationDoesIsSaidOnce) {
 TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   std::vector<FrameResult> frames = PathFrames(8, 1);
   frames[4].state = TrackingState::kBridged;
-  const auto warnings = [&](double start, double gap) {
+  const auto warnings = [&](double start, double gap, bool unknown_gap = false) {
     DriveFacts drive;
-    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap}};
+    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap, unknown_gap}};
     return SummaryOf(drive, frames, {}).warnings;
   };
   const double seam = frames[4].time;
   ASSERT_EQ(warnings(seam, 0).size(), 1u);
   EXPECT_NE(warnings(seam, 0)[0].find("where a.mp4 ends and b.mp4 begins"), std::string::npos);
   EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
+  EXPECT_TRUE(warnings(seam, 0, true).empty()) << "that images are missing is named already";
   EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
 }
 
