@@ -64,6 +64,16 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
   return count;
 }
 
+// The notice where the end that was asked for lies in the gap before the first image after it. `time`: of that image.
+// Both count from the drive's first frame.
+std::string EndsInGap(double end, double time, double gap) {
+  const double begin = time - gap;
+  const double early = end - begin;
+  if (gap <= 0 || early <= kLeastGap) return {};
+  return fmt::format("--end lies in a gap of {:.1f} s: the path ends {:.1f} s earlier, at {:.1f} s of the drive", gap,
+                     early, begin);
+}
+
 }  // namespace
 
 struct ImageSource::State {
@@ -284,7 +294,8 @@ struct ImageSource::State {
   int next = 0;
   int readable = 0;
   bool past_end = false;
-  bool ended = false;  // the reader is, and the thread no longer uses it
+  std::string end_notice;  // where it is past the end
+  bool ended = false;      // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
   std::string notice;
@@ -317,6 +328,8 @@ std::optional<SourceFrame> ImageSource::Next() {
   if (image) {
     state.past_end = image->time ? state.end && *image->time - state.origin >= *state.end : state.next == state.count;
     state.leaves_out = state.leaves_out || state.past_end;
+    if (state.past_end && image->time)
+      state.end_notice = EndsInGap(*state.end, *image->time - state.origin, image->gap);
     if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
   }
   if (!image || state.past_end) {
@@ -345,7 +358,9 @@ double ImageSource::first_time() const { return state_->origin; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
 
-std::string ImageSource::NoticeAtEnd() const { return state_->ended ? state_->reader->NoticeAtEnd() : std::string(); }
+std::string ImageSource::NoticeAtEnd() const {
+  return state_->ended ? state_->reader->NoticeAtEnd() : state_->end_notice;
+}
 
 bool ImageSource::LeavesOut() const { return state_->leaves_out; }
 
