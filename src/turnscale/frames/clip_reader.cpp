@@ -118,6 +118,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   if (options_.timed) recorded_.emplace(clips_, headers_);
   for (const Failure& failure : failures) {
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
+    if (failure.clip == 0 && missing_beginning_.empty()) missing_beginning_ = failure.path;
     if (failure.clip == clips_.size() && missing_end_.empty()) missing_end_ = failure.path;
     if (between && !(recorded_ && recorded_->AreInNames()))
       throw InputError(
@@ -133,6 +134,11 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
         clips_.back().string(), one_folder ? "is of another recording" : "lies in another folder",
         clips_.front().string()));
   }
+}
+
+std::string ClipReader::BeginsLate() const {
+  if (missing_beginning_.empty()) return {};
+  return NameOf(missing_beginning_) + ": cannot be decoded: the beginning of the drive is missing";
 }
 
 bool ClipReader::HasTimes() const {

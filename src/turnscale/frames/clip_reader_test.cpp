@@ -321,11 +321,16 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
   int read = 0;
   while (reader.Read()) ++read;
   EXPECT_EQ(read, 40);
+  EXPECT_EQ(reader.BeginsLate(), "a.mp4: cannot be decoded: the beginning of the drive is missing");
   EXPECT_EQ(reader.EndsEarly(), "d.mp4: cannot be decoded: the end of the drive is missing");
-  ClipReader whole({ends[0], ends[1]}, {});
-  while (whole.Read()) {
-  }
-  EXPECT_EQ(whole.EndsEarly(), "");
+  ClipReader late({ends[0], ends[1]}, {});
+  while (late.Read()) continue;
+  EXPECT_NE(late.BeginsLate(), "");
+  EXPECT_EQ(late.EndsEarly(), "");
+  ClipReader early({ends[1], ends[3]}, {});
+  while (early.Read()) continue;
+  EXPECT_EQ(early.BeginsLate(), "");
+  EXPECT_NE(early.EndsEarly(), "");
 
   const std::string problem =
       ": is not a video, or is damaged (a recording that was cut off lacks its index; a repair "

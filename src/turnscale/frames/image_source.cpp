@@ -136,6 +136,7 @@ struct ImageSource::State {
     }
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
+    begins_late = clip_reader->BeginsLate();
     pixel_aspect = clip_reader->pixel_aspect();
     if (rotate % 180 != 0) pixel_aspect = 1 / pixel_aspect;
     reader = std::move(clip_reader);
@@ -298,6 +299,7 @@ struct ImageSource::State {
   bool ended = false;      // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
+  std::string begins_late;
   std::string notice;
   std::vector<ClipPart> clips;
   int clip = 0;                      // of the latest image
@@ -355,6 +357,8 @@ double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 int ImageSource::count() const { return state_->count; }
 
 double ImageSource::first_time() const { return state_->origin; }
+
+const std::string& ImageSource::BeginsLate() const { return state_->begins_late; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
 

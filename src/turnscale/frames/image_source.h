@@ -81,6 +81,9 @@ class ImageSource {
   /// Time of the drive's first frame, seconds, from which `start` and `end` count.
   double first_time() const;
 
+  /// Why the drive begins after it should; empty if it does not.
+  const std::string& BeginsLate() const;
+
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 
