@@ -182,6 +182,19 @@ TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
 }
 
+TEST(RunWarnings, WarnsOfAPathThatIsMostlyAssumed) {
+  const auto warnings = [](int lost) {
+    std::vector<FrameResult> frames = PathFrames(11, 1);
+    for (FrameResult& frame : frames) frame.keyframe = true;
+    for (int i = 2; i < 2 + lost; ++i) frames[i].state = TrackingState::kBridged;
+    return SummaryOf({}, frames, {}).warnings;
+  };
+  EXPECT_TRUE(warnings(0).empty());
+  EXPECT_TRUE(warnings(5).empty()) << "half of it";
+  ASSERT_EQ(warnings(6).size(), 1u);
+  EXPECT_TRUE(warnings(6)[0].starts_with("60 % of the length of the path is not measured")) << warnings(6)[0];
+}
+
 TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   DriveFacts drive;
   drive.given.first_time = 100;
