@@ -176,6 +176,20 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   EXPECT_TRUE(Summary()["complete"].get<bool>());
 }
 
+TEST_F(ErrorsTest, ADriveWithoutItsFirstClipIsIncomplete) {
+  const fs::path first = folder_ / "1.avi";
+  const fs::path second = folder_ / "2.avi";
+  std::ofstream(first) << "this is no video";
+  Video(second);
+  const CommandResult result = RunCommand({"run", first.string(), second.string(), "--camera",
+                                           (Drive() / "calib.txt").string(), "--out", Out().string(), "--quiet"},
+                                          folder_);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "warning: " + first.string() + ": is not a video, or is damaged; the clip is left out\n");
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(Summary()["stopped"], "1.avi: cannot be decoded: the beginning of the drive is missing");
+}
+
 TEST_F(ErrorsTest, AVideoThatLacksFramesIsComplete) {
   const fs::path video = folder_ / "drive.avi";
   std::vector<cv::Mat> images;

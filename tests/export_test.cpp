@@ -127,7 +127,7 @@ TEST_F(ExportTest, OutNamesTheFilesOrTheirFolder) {
   fs::create_directories(maps);
   const auto exports = [&](const std::string& out, const fs::path& file) {
     const CommandResult result = Export({"--gpx", "--origin", "49.0112,8.4225", "--heading", "90", "--out", out});
-    EXPECT_EQ(result.out, "wrote    " + file.string() + "\n") << out;
+    EXPECT_TRUE(result.out.ends_with("wrote    " + file.string() + "\n")) << result.out;
     EXPECT_TRUE(fs::remove(file)) << out;
   };
   exports(maps.string(), maps / "path.gpx");
@@ -136,6 +136,20 @@ TEST_F(ExportTest, OutNamesTheFilesOrTheirFolder) {
   exports((maps / "track.gpx").string(), maps / "track.gpx");
   exports((maps / "2026.03").string(), maps / "2026.03.gpx");
   EXPECT_TRUE(fs::is_empty(maps));
+}
+
+TEST_F(ExportTest, GpxWithoutTimesIsNamed) {
+  const auto out = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"--origin", "49.0112,8.4225", "--heading", "90"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Export(arguments).out;
+  };
+  EXPECT_EQ(out({"--gpx"}),
+            "times    GPX has none, as the date and time of the drive are unknown; give --start-time\nwrote    " +
+                Path(".gpx") + "\n");
+  EXPECT_EQ(TextOf(Path(".gpx")).find("<time>"), std::string::npos);
+  EXPECT_EQ(out({"--gpx", "--start-time", "2026-03-22T07:14:05+01:00"}), "wrote    " + Path(".gpx") + "\n");
+  EXPECT_EQ(out({"--kml"}), "wrote    " + Path(".kml") + "\n");
 }
 
 TEST_F(ExportTest, ThePathIsNamedAfterTheFolderAlone) {

@@ -212,6 +212,7 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_GT(summary["length_sigma"], 0.02);
   EXPECT_LT(summary["length_sigma"], 0.05);
   EXPECT_FALSE(summary["contradicted"]);
+  EXPECT_EQ(summary["warnings"], nlohmann::json::array());
   EXPECT_NEAR(summary["roll_height_m"], 1.1, 0.35);
   EXPECT_LE(summary["roll_height_sigma_m"], 0.35);
   const auto lines = [&](const std::string& name) {
@@ -326,8 +327,12 @@ TEST_F(RescaleCommandTest, NoTurnNoMetres) {
 TEST_F(RescaleCommandTest, WithoutTimesItWarns) {
   std::string kitti;
   for (const StampedPose& pose : drive_.trajectory) kitti += KittiLine(pose.world_from_camera);
-  const CommandResult result = Run({Text("frames.txt", kitti), "--lever-arm", "1.2"});
+  const CommandResult result = Run({Text("frames.txt", kitti), "--lever-arm", "1.2", "--report", Path("report")});
   EXPECT_EQ(result.exit_code, 0);
+  std::string printed;
+  const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
+  for (const auto& warning : summary["warnings"]) printed += "warning: " + warning.get<std::string>() + "\n";
+  EXPECT_EQ(result.err, printed);
   EXPECT_NE(result.err.find("warning: "), std::string::npos);
   EXPECT_NE(result.err.find("give --fps or --timestamps"), std::string::npos);
 }

@@ -17,7 +17,7 @@ namespace turnscale {
 namespace {
 
 void Rescale(const RescaleArguments& arguments) {
-  const RescaleResult result = ExecuteRescale(arguments, {});
+  const RescaleResult result = ExecuteRescale(arguments, {}).result;
   if (arguments.quiet) return;
   std::string text = RescaleText(result);
   if (!arguments.out.empty()) text += fmt::format("{:<14}{}\n", "file", arguments.out.string());

@@ -178,11 +178,12 @@ py::dict RescaleFor(const py::dict& given) {
   std::string turns;
   std::string summary;
   Execute([&](const CommandHooks& hooks) {
-    const RescaleResult rescaled = ExecuteRescale(arguments, hooks);
+    const RescaleOutcome outcome = ExecuteRescale(arguments, hooks);
+    const RescaleResult& rescaled = outcome.result;
     for (const StampedPose& pose : rescaled.metric) tum += TumLine(pose);
     scale = PoseScaleTable(rescaled);
     turns = TurnScaleTable(rescaled);
-    summary = RescaleJson(rescaled, TrajectoryOf(arguments.input).string());
+    summary = RescaleJson(rescaled, TrajectoryOf(arguments.input).string(), outcome.warnings);
   });
   result["tum"] = tum;
   result["scale"] = scale;

@@ -286,7 +286,7 @@ class Rescaled:
     turns: Table
     """Per turn: first_pose, last_pose, angle_deg, speed_mps, metres_per_unit, sigma_relative, smoothed_..., used, reason."""
     summary: dict[str, Any]
-    """Length (m), scale, sigmas, camera rotation (degrees), side slip (s^2/m); as summary.json."""
+    """Length (m), scale, sigmas, camera rotation (degrees), side slip (s^2/m), warnings; as summary.json."""
 
     def __repr__(self) -> str:
         length = f"{self.summary['length_m']:.2f} m{_percent(self.summary.get('length_sigma'))}"

@@ -161,6 +161,9 @@ std::vector<FileToWrite> MapFiles(const ExportArguments& arguments, const Result
   track.turns = PlaceOnEarth(TurnsAlong(path, results.turns), placed.placement);
   outcome.text += placed.text;
   if (!placed.warning.empty()) outcome.warnings.push_back(placed.warning);
+  // The other formats have seconds of the drive instead.
+  if (arguments.gpx && !track.start_time)
+    outcome.text += "times    GPX has none, as the date and time of the drive are unknown; give --start-time\n";
   std::vector<FileToWrite> files;
   if (arguments.gpx) files.push_back({".gpx", GpxText(track)});
   if (arguments.kml) files.push_back({".kml", KmlText(track)});

@@ -121,8 +121,9 @@ std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optiona
   return heights;
 }
 
-void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, const CarPrior& car,
+void WriteReport(const fs::path& folder, const RescaleOutcome& outcome, const std::string& input, const CarPrior& car,
                  bool timed, std::optional<double> first_time) {
+  const RescaleResult& result = outcome.result;
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) RefusePlace(folder.string() + ": cannot be made", error, "choose another --report");
@@ -133,7 +134,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
   ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed, first_time));
-  summary.Write(RescaleJson(result, input));
+  summary.Write(RescaleJson(result, input, outcome.warnings));
   summary.Finish();
 }
 
@@ -143,9 +144,21 @@ std::vector<double> TimesOf(const Trajectory& trajectory) {
   return times;
 }
 
+// The same hooks, with a list of all warnings.
+CommandHooks Listing(const CommandHooks& hooks, std::vector<std::string>& warnings) {
+  CommandHooks listing = hooks;
+  listing.warn = [warn = hooks.warn, &warnings](const std::string& warning) {
+    warnings.push_back(warning);
+    if (warn) warn(warning);
+  };
+  return listing;
+}
+
 }  // namespace
 
-RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& hooks) {
+RescaleOutcome ExecuteRescale(const RescaleArguments& given, const CommandHooks& given_hooks) {
+  RescaleOutcome outcome;
+  const CommandHooks hooks = Listing(given_hooks, outcome.warnings);
   RescaleArguments arguments = given;
   arguments.input = TrajectoryOf(given.input);
   CheckArguments(arguments);
@@ -173,22 +186,23 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   if (path.left_out > 0)
     Warn(hooks, fmt::format("{}: {} pose{} where the run had lost tracking {} left out", input, path.left_out,
                             path.left_out == 1 ? "" : "s", path.left_out == 1 ? "is" : "are"));
-  const RescaleResult result =
+  outcome.result =
       RescaleTrajectory(options, path.poses, path.gaps, HeightsAlong(path.poses, arguments.heights, hooks));
+  const RescaleResult& result = outcome.result;
   if (!result.observable) {
     throw InputError(fmt::format(
         "{}: scale not observable: {}{}", input, result.reason,
         trajectory.whole_numbers ? "; the times are whole numbers: if they are numbers of frames, give --fps" : ""));
   }
+  for (const std::string& warning : RescaleWarnings(result, options.car))
+    Warn(hooks, fmt::format("{}: {}", input, warning));
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
   // --fps replaces the times in the file.
   const std::optional<double> first_time = arguments.fps ? std::nullopt : FirstTimeOfRun(arguments.input);
-  if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed, first_time);
-  for (const std::string& warning : RescaleWarnings(result, options.car))
-    Warn(hooks, fmt::format("{}: {}", input, warning));
-  return result;
+  if (arguments.report) WriteReport(*arguments.report, outcome, input, options.car, trajectory.timed, first_time);
+  return outcome;
 }
 
 }  // namespace turnscale

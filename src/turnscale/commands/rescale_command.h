@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/rescale/rescale.h"
@@ -28,8 +29,14 @@ struct RescaleArguments {
   bool quiet = false;
 };
 
+/// What a rescale has found, and what there is to say of it.
+struct RescaleOutcome {
+  RescaleResult result;
+  std::vector<std::string> warnings;  ///< all that the hooks were told, one line each
+};
+
 /// Converts an up-to-scale trajectory to metres and writes the files. Throws InputError, also where the scale is not
 /// observable, and OutputError.
-RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHooks& hooks);
+RescaleOutcome ExecuteRescale(const RescaleArguments& arguments, const CommandHooks& hooks);
 
 }  // namespace turnscale

@@ -250,7 +250,8 @@ std::string TurnScaleTable(const RescaleResult& result) {
   return table;
 }
 
-std::string RescaleJson(const RescaleResult& result, const std::string& input) {
+std::string RescaleJson(const RescaleResult& result, const std::string& input,
+                        const std::vector<std::string>& warnings) {
   const auto [low, high] = ScaleRange(result);
   const auto [best, worst] = SigmaRange(result);
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
@@ -282,7 +283,8 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                      {"roll_height_m", refined(car.roll_height)},
                      {"roll_height_sigma_m", refined(car.roll_height_sigma)},
                      {"camera_height_m", refined(known(car.camera_height))},
-                     {"camera_height_sigma_m", refined(known(HeightSigma(*result.estimate)))}};
+                     {"camera_height_sigma_m", refined(known(HeightSigma(*result.estimate)))},
+                     {"warnings", warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -14,8 +14,9 @@ std::string PoseScaleTable(const RescaleResult& result);
 /// turns.csv: a line a turn; cells without a value are empty.
 std::string TurnScaleTable(const RescaleResult& result);
 
-/// summary.json: the numbers of the drive, with the unit in each name.
-std::string RescaleJson(const RescaleResult& result, const std::string& input);
+/// summary.json: the numbers of the drive, with the unit in each name, and the warnings of the command.
+std::string RescaleJson(const RescaleResult& result, const std::string& input,
+                        const std::vector<std::string>& warnings);
 
 /// Of turns that contradict the estimate, and of a lever arm and a camera height that disagree: a line each. There has
 /// to be an estimate. `car` is as it was given.

@@ -2,8 +2,10 @@
 #include "turnscale/commands/rescale_report.h"
 
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "turnscale/rescale/test_rescale_drive.h"
 
@@ -37,6 +39,13 @@ TEST(RescaleText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
   };
   EXPECT_EQ(slip_line(0.001), "side slip     0, since the estimate would be negative: check lever arm and timestamps");
   EXPECT_EQ(slip_line(0), "side slip     0, since the estimate would be negative");
+}
+
+TEST(RescaleJson, HasTheWarnings) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.002}, 7);
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  const std::vector<std::string> warnings = {"slam.tum: no timestamps", "slam.tum: the trajectory jumps"};
+  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", warnings))["warnings"], nlohmann::json(warnings));
 }
 
 }  // namespace

@@ -135,7 +135,8 @@ LeftByOptions LeftBy(const RunArguments& arguments, const DriveImages& images) {
 }
 
 EndOfDrive EndOf(const ImageSource& source) {
-  return {.ends_early = source.EndsEarly(),
+  return {.begins_late = source.BeginsLate(),
+          .ends_early = source.EndsEarly(),
           .notice = source.NoticeAtEnd(),
           .leaves_out = source.LeavesOut(),
           .clips = source.clips()};

@@ -118,6 +118,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   if (options_.timed) recorded_.emplace(clips_, headers_);
   for (const Failure& failure : failures) {
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
+    if (failure.clip == 0 && missing_beginning_.empty()) missing_beginning_ = failure.path;
     if (failure.clip == clips_.size() && missing_end_.empty()) missing_end_ = failure.path;
     if (between && !(recorded_ && recorded_->AreInNames()))
       throw InputError(
@@ -133,6 +134,11 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
         clips_.back().string(), one_folder ? "is of another recording" : "lies in another folder",
         clips_.front().string()));
   }
+}
+
+std::string ClipReader::BeginsLate() const {
+  if (missing_beginning_.empty()) return {};
+  return NameOf(missing_beginning_) + ": cannot be decoded: the beginning of the drive is missing";
 }
 
 bool ClipReader::HasTimes() const {
@@ -289,6 +295,7 @@ void ClipReader::BeginNext(double seconds) {
     AddSentence(notice_, fmt::format("images seem to be missing between {} and {} (at {:.1f} s of the drive), nothing "
                                      "tells for how long: the path may be too short there",
                                      before, name, end));
+    unknown_gap_ = true;
   }
 }
 
@@ -316,6 +323,7 @@ std::optional<DriveImage> ClipReader::Read() {
     if (passed_++ < skip_ || (image.time && *image.time < options_.start)) {
       // Nothing of the drive is before the first image that is given.
       gap_ = 0;
+      unknown_gap_ = false;
       notice_.clear();
       overlap_.clear();
       continue;
@@ -324,7 +332,10 @@ std::optional<DriveImage> ClipReader::Read() {
     image.name = fmt::format("{}: frame {}", clips_[clip_].string(), number);
     image.clip = static_cast<int>(clip_);
     const bool first = !std::exchange(begun_, true);
-    if (!first) image.gap = gap_;
+    if (!first) {
+      image.gap = gap_;
+      image.unknown_gap = unknown_gap_;
+    }
     const std::string late = first && passed_ > 1 && gap_ > 0 ? StartsInGap(*image.time) : std::string();
     // Before the first image: of clips of which no frame could be decoded.
     image.notice = !first || passed_ == 1 ? notice_ : late;
@@ -335,6 +346,7 @@ std::optional<DriveImage> ClipReader::Read() {
       AddSentence(image.notice, OtherRate(options_.fps, headers_.front()));
     }
     gap_ = 0;
+    unknown_gap_ = false;
     notice_.clear();
     return image;
   }

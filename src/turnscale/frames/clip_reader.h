@@ -43,6 +43,9 @@ class ClipReader : public FrameReader {
   /// Why clips are left out, one line for each.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
+  /// Why the drive begins after it should; empty if it does not.
+  std::string BeginsLate() const;
+
   /// Width of a pixel over its height, as the first clip says.
   double pixel_aspect() const { return headers_.front().pixel_aspect; }
 
@@ -72,7 +75,8 @@ class ClipReader : public FrameReader {
   ClipOptions options_;
   std::vector<VideoHeader> headers_;
   std::vector<std::string> left_out_;
-  std::filesystem::path missing_end_;  // the first of the clips that are left out at the end
+  std::filesystem::path missing_beginning_;  // the first of the clips that are left out at the beginning
+  std::filesystem::path missing_end_;        // the same at the end
   std::optional<RecordingTimes> recorded_;
   int count_ = 0;
 
@@ -92,8 +96,9 @@ class ClipReader : public FrameReader {
   bool begun_ = false;   // an image has been given
   std::string overlap_;  // its notice, before the next image
   bool overlap_named_ = false;
-  double gap_ = 0;      // before the next image
-  std::string notice_;  // before the next image
+  double gap_ = 0;            // before the next image
+  bool unknown_gap_ = false;  // before the next image
+  std::string notice_;        // before the next image
   std::string ends_early_;
 };
 

@@ -191,6 +191,9 @@ TEST_F(ClipReaderTest, ShortGapsAreSeen) {
       unknown[40].notice,
       "images seem to be missing between a.mp4 and b.mp4 (at 4.0 s of the drive), nothing tells for how long: the "
       "path may be too short there");
+  EXPECT_TRUE(unknown[40].unknown_gap);
+  EXPECT_FALSE(unknown[41].unknown_gap);
+  EXPECT_FALSE(images[40].unknown_gap);
 }
 
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {
@@ -318,11 +321,16 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
   int read = 0;
   while (reader.Read()) ++read;
   EXPECT_EQ(read, 40);
+  EXPECT_EQ(reader.BeginsLate(), "a.mp4: cannot be decoded: the beginning of the drive is missing");
   EXPECT_EQ(reader.EndsEarly(), "d.mp4: cannot be decoded: the end of the drive is missing");
-  ClipReader whole({ends[0], ends[1]}, {});
-  while (whole.Read()) {
-  }
-  EXPECT_EQ(whole.EndsEarly(), "");
+  ClipReader late({ends[0], ends[1]}, {});
+  while (late.Read()) continue;
+  EXPECT_NE(late.BeginsLate(), "");
+  EXPECT_EQ(late.EndsEarly(), "");
+  ClipReader early({ends[1], ends[3]}, {});
+  while (early.Read()) continue;
+  EXPECT_EQ(early.BeginsLate(), "");
+  EXPECT_NE(early.EndsEarly(), "");
 
   const std::string problem =
       ": is not a video, or is damaged (a recording that was cut off lacks its index; a repair "

@@ -78,6 +78,7 @@ struct DriveImage {
   std::optional<double> time;  ///< seconds; empty if only its number in the drive tells
   int clip = 0;                ///< number of the video that it is from
   double gap = 0;              ///< seconds before it that the drive is not recorded; 0 if it continues
+  bool unknown_gap = false;    ///< images seem to be missing before it, and nothing tells for how long
   std::string notice;          ///< what the user should know about the drive before this image; may be empty
 };
 

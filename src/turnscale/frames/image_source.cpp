@@ -64,6 +64,16 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
   return count;
 }
 
+// The notice where the end that was asked for lies in the gap before the first image after it. `time`: of that image.
+// Both count from the drive's first frame.
+std::string EndsInGap(double end, double time, double gap) {
+  const double begin = time - gap;
+  const double early = end - begin;
+  if (gap <= 0 || early <= kLeastGap) return {};
+  return fmt::format("--end lies in a gap of {:.1f} s: the path ends {:.1f} s earlier, at {:.1f} s of the drive", gap,
+                     early, begin);
+}
+
 }  // namespace
 
 struct ImageSource::State {
@@ -126,6 +136,7 @@ struct ImageSource::State {
     }
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
+    begins_late = clip_reader->BeginsLate();
     pixel_aspect = clip_reader->pixel_aspect();
     if (rotate % 180 != 0) pixel_aspect = 1 / pixel_aspect;
     reader = std::move(clip_reader);
@@ -259,7 +270,7 @@ struct ImageSource::State {
     if (clip_files.empty()) return;
     const bool is_first = clips.empty();
     if (is_first || image.clip != clip) {
-      clips.push_back({clip_files[image.clip], time, time, 0, image.gap});
+      clips.push_back({clip_files[image.clip], time, time, 0, image.gap, image.unknown_gap});
       clip = image.clip;
     }
     clips.back().end = time;
@@ -284,9 +295,11 @@ struct ImageSource::State {
   int next = 0;
   int readable = 0;
   bool past_end = false;
-  bool ended = false;  // the reader is, and the thread no longer uses it
+  std::string end_notice;  // where it is past the end
+  bool ended = false;      // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
+  std::string begins_late;
   std::string notice;
   std::vector<ClipPart> clips;
   int clip = 0;                      // of the latest image
@@ -317,6 +330,8 @@ std::optional<SourceFrame> ImageSource::Next() {
   if (image) {
     state.past_end = image->time ? state.end && *image->time - state.origin >= *state.end : state.next == state.count;
     state.leaves_out = state.leaves_out || state.past_end;
+    if (state.past_end && image->time)
+      state.end_notice = EndsInGap(*state.end, *image->time - state.origin, image->gap);
     if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
   }
   if (!image || state.past_end) {
@@ -343,9 +358,13 @@ int ImageSource::count() const { return state_->count; }
 
 double ImageSource::first_time() const { return state_->origin; }
 
+const std::string& ImageSource::BeginsLate() const { return state_->begins_late; }
+
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
 
-std::string ImageSource::NoticeAtEnd() const { return state_->ended ? state_->reader->NoticeAtEnd() : std::string(); }
+std::string ImageSource::NoticeAtEnd() const {
+  return state_->ended ? state_->reader->NoticeAtEnd() : state_->end_notice;
+}
 
 bool ImageSource::LeavesOut() const { return state_->leaves_out; }
 

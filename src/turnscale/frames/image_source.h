@@ -30,6 +30,8 @@ struct ClipPart {
   double end = 0;    ///< time of its last frame
   int frames = 0;
   double gap_before = 0;  ///< seconds between the clip before and this one that are not recorded
+  /// Images seem to be missing between the clip before and this one, and nothing tells for how long.
+  bool unknown_gap_before = false;
 };
 
 struct ImageSourceOptions {
@@ -78,6 +80,9 @@ class ImageSource {
 
   /// Time of the drive's first frame, seconds, from which `start` and `end` count.
   double first_time() const;
+
+  /// Why the drive begins after it should; empty if it does not.
+  const std::string& BeginsLate() const;
 
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;

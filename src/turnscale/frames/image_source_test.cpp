@@ -565,6 +565,19 @@ TEST_F(ImageSourceTest, WhetherAPartLeavesImagesOut) {
   expect_of_parts({.timestamps = file});
 }
 
+TEST_F(ImageSourceTest, AnEndInAGapIsNamed) {
+  for (const char* name : {"20230501_120000.mkv", "20230501_120007.mkv"})
+    WriteTestVideo(folder_ / name, std::vector<cv::Mat>(20, Image(1)), {.codec = "ffv1", .ticks_per_second = 10});
+  const auto notice = [&](double end) {
+    ImageSource source(FindDrive(folder_), {.end = end});
+    while (source.Next()) EXPECT_EQ(source.NoticeAtEnd(), "") << end;
+    return source.NoticeAtEnd();
+  };
+  EXPECT_EQ(notice(5), "--end lies in a gap of 5.0 s: the path ends 3.0 s earlier, at 2.0 s of the drive");
+  EXPECT_EQ(notice(7), "--end lies in a gap of 5.0 s: the path ends 5.0 s earlier, at 2.0 s of the drive");
+  for (const double end : {1.0, 2.0, 3.0, 7.5, 60.0}) EXPECT_EQ(notice(end), "") << end;
+}
+
 TEST(DriveTime, HoursMinutesAndSeconds) {
   EXPECT_EQ(ParseDriveTime("--start", "0"), 0);
   EXPECT_EQ(ParseDriveTime("--start", "750.25"), 750.25);

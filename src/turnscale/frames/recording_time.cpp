@@ -27,25 +27,61 @@ constexpr double kLongestPause = 600;  // s
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-// Reads the six numbers at the beginning of the text.
-std::optional<double> TimeAt(std::string_view text) {
-  constexpr std::array<size_t, 6> kDigits = {4, 2, 2, 2, 2, 2};
-  constexpr std::string_view kSeparators = "_-. :T";
+// Year to second as a text has them, and the separators before each; 0 where there is none.
+struct NamedTime {
   std::array<int, 6> values{};
-  size_t at = 0;
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (i > 0 && at < text.size() && kSeparators.find(text[at]) != std::string_view::npos) ++at;
-    for (size_t k = 0; k < kDigits[i]; ++k, ++at) {
+  std::array<char, 6> separators{};
+  size_t size = 0;  // of the text
+};
+
+// Reads the six numbers at the beginning of the text.
+std::optional<NamedTime> NumbersAt(std::string_view text, size_t year_digits) {
+  constexpr std::string_view kSeparators = "_-. :T";
+  NamedTime time;
+  size_t& at = time.size;
+  for (size_t i = 0; i < time.values.size(); ++i) {
+    if (i > 0 && at < text.size() && kSeparators.find(text[at]) != std::string_view::npos)
+      time.separators[i] = text[at++];
+    for (size_t k = 0; k < (i == 0 ? year_digits : 2); ++k, ++at) {
       if (at >= text.size() || !IsDigit(text[at])) return std::nullopt;
-      values[i] = 10 * values[i] + (text[at] - '0');
+      time.values[i] = 10 * time.values[i] + (text[at] - '0');
     }
   }
+  return time;
+}
+
+// Since 1970; nothing if there is no such time in this century.
+std::optional<double> SecondsOf(const std::array<int, 6>& values) {
   const auto [year, month, day, hour, minute, second] = values;
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
   if (year < 2000 || year > 2099 || !date.ok() || hour > 23 || minute > 59 || second > 59) return std::nullopt;
   const auto days = std::chrono::sys_days(date).time_since_epoch().count();
   return 86400.0 * static_cast<double>(days) + 3600.0 * hour + 60.0 * minute + second;
+}
+
+std::optional<double> TimeAt(std::string_view text) {
+  const std::optional<NamedTime> time = NumbersAt(text, 4);
+  return time ? SecondsOf(time->values) : std::nullopt;
+}
+
+std::optional<double> ShortTimeAt(std::string_view text) {
+  std::optional<NamedTime> time = NumbersAt(text, 2);
+  if (!time || (time->size < text.size() && IsDigit(text[time->size]))) return std::nullopt;
+  const std::array<char, 6>& separators = time->separators;
+  const bool date_is_apart = separators[3] != 0;
+  if (!date_is_apart || separators[1] != separators[2] || separators[4] != separators[5]) return std::nullopt;
+  time->values[0] += 2000;
+  return SecondsOf(time->values);
+}
+
+// What `time_at` finds first in the name, at the beginning of a number.
+std::optional<double> FirstTime(std::string_view name, std::optional<double> (*time_at)(std::string_view)) {
+  for (size_t i = 0; i < name.size(); ++i) {
+    if (i > 0 && IsDigit(name[i - 1])) continue;
+    if (const std::optional<double> time = time_at(name.substr(i))) return time;
+  }
+  return std::nullopt;
 }
 
 std::optional<Chapter> ChapterOf(const std::filesystem::path& clip) { return ChapterInName(clip.stem().string()); }
@@ -56,30 +92,31 @@ bool AreOfOneRecording(const std::optional<Chapter>& a, const std::optional<Chap
 
 }  // namespace
 
-std::optional<double> TimeInName(std::string_view name) {
-  for (size_t i = 0; i < name.size(); ++i) {
-    if (i > 0 && IsDigit(name[i - 1])) continue;
-    if (const auto time = TimeAt(name.substr(i))) return time;
-  }
-  return std::nullopt;
-}
+std::optional<double> TimeInName(std::string_view name) { return FirstTime(name, TimeAt); }
+
+std::optional<double> ShortTimeInName(std::string_view name) { return FirstTime(name, ShortTimeAt); }
 
 RecordingTimes::RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers)
     : clips_(clips) {
   std::vector<double> named;
+  std::vector<double> named_shortly;
   std::vector<double> created;
   for (size_t i = 0; i < clips.size(); ++i) {
     durations_.push_back(headers[i].duration);
     if (const auto time = TimeInName(clips[i].stem().string())) named.push_back(*time);
+    if (const auto time = ShortTimeInName(clips[i].stem().string())) named_shortly.push_back(*time);
     if (headers[i].created) created.push_back(*headers[i].created);
   }
-  by_name_ = named.size() == clips.size();
-  if (by_name_) {
-    starts_ = std::move(named);
-  } else if (created.size() == clips.size()) {
-    created_ = std::move(created);
-    PlaceCoinciding();
-  }
+  by_name_ = true;
+  starts_ = std::move(named);
+  if (starts_.size() == clips.size()) return;
+  starts_ = std::move(named_shortly);
+  if (starts_.size() == clips.size() && FollowOneAnother()) return;
+  by_name_ = false;
+  starts_.clear();
+  if (created.size() != clips.size()) return;
+  created_ = std::move(created);
+  PlaceCoinciding();
 }
 
 // Whether the clip cannot begin at its creation time, as it is that of the clip before.
@@ -122,14 +159,25 @@ void RecordingTimes::CheckChapters() const {
   }
 }
 
+bool RecordingTimes::OverlapsTooFar(size_t clip) const {
+  const double overlap = -PauseAfter(clip, durations_[clip]);
+  const double shorter = std::min(durations_[clip], durations_[clip + 1]);
+  return overlap > kResolution && (overlap > kResolution + kLongestOverlap || overlap > kLargestShare * shorter);
+}
+
+bool RecordingTimes::FollowOneAnother() const {
+  for (size_t i = 0; i + 1 < starts_.size(); ++i)
+    if (OverlapsTooFar(i) || PauseAfter(i, durations_[i]) > kLongestPause) return false;
+  return true;
+}
+
 void RecordingTimes::CheckContinuity() const {
   CheckChapters();
   const char* times = by_name_ ? "in their names" : "at which the files were made (creation_time)";
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);
     const std::string before = clips_[i].filename().string();
-    const double shorter = std::min(durations_[i], durations_[i + 1]);
-    if (pause < -kResolution && (pause < -kResolution - kLongestOverlap || -pause > kLargestShare * shorter))
+    if (OverlapsTooFar(i))
       throw InputError(
           fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
                       "rear), in the order of time",

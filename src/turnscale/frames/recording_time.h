@@ -14,11 +14,17 @@ namespace turnscale {
 /// them, such as 20230501_120000. In seconds since 1970 on the recorder's clock, whatever its time zone.
 std::optional<double> TimeInName(std::string_view name);
 
+/// The same with a year of two digits, such as 230501_120000 or 23-05-01_12-00-00: with a separator between date and
+/// time, and alike within each of them. Other numbers may look so, too.
+std::optional<double> ShortTimeInName(std::string_view name);
+
 /// When the clips of a drive were recorded, to the second. Cameras that split a recording may write the creation time
 /// of its beginning into all of its files: clips with the same creation time follow one another without a gap.
 class RecordingTimes {
  public:
-  /// From the names of the files if all have a time, else from the creation times in the files if all have one.
+  /// From the names of the files if all have a time, else from the creation times in the files if all have one. Times
+  /// with a year of two digits (ShortTimeInName) count only where the clips follow one another by them, as
+  /// CheckContinuity demands: other numbers and other orders of day, month and year hardly do.
   RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers);
 
   bool AreKnown() const { return !starts_.empty() && !guessed_; }
@@ -46,6 +52,8 @@ class RecordingTimes {
 
  private:
   bool Coincides(size_t clip) const;
+  bool OverlapsTooFar(size_t clip) const;
+  bool FollowOneAnother() const;
   void PlaceCoinciding();
   void CheckChapters() const;
   double PauseAfter(size_t clip, double duration) const;

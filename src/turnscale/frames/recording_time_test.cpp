@@ -43,6 +43,33 @@ TEST(TimeInName, OtherNumbersAreNoTimes) {
   }
 }
 
+TEST(ShortTimeInName, DateAndTimeAreApart) {
+  for (const char* name : {"230501_120000", "FILE230501-120000F", "REC_23-05-01_12-00-00_0042", "23.05.01 12.00.00"})
+    EXPECT_EQ(ShortTimeInName(name), kMayNoon) << name;
+  for (const char* name :
+       {"230501120000", "230501_1200", "23-05-01_12-00", "23-05-01_12-00_00", "23_0501_120000", "231301_120000",
+        "010523_250000", "230501_1200001", "20230501_120000", "201203220714", "20120322_071405", "0000230501_120000"})
+    EXPECT_FALSE(ShortTimeInName(name).has_value()) << name;
+  EXPECT_FALSE(TimeInName("230501_120000").has_value());
+}
+
+TEST(RecordingTimes, YearsOfTwoDigitsCountWhereTheClipsFollowOneAnother) {
+  const RecordingTimes times({"230501_235900.mp4", "230502_000002.mp4"}, {Header(60), Header(60)});
+  EXPECT_TRUE(times.AreInNames());
+  EXPECT_EQ(Complaint(times), "");
+  EXPECT_DOUBLE_EQ(times.GapAfter(0, 60), 2);
+  // A count of clips, day before month before year, another drive, and one name without a time.
+  for (const char* second : {"230501_235901.mp4", "240501_000002.mp4", "230502_010002.mp4", "b.mp4"}) {
+    const std::vector<std::filesystem::path> clips = {"230501_235900.mp4", second};
+    const RecordingTimes unknown(clips, {Header(60), Header(60)});
+    EXPECT_FALSE(unknown.AreInNames()) << second;
+    EXPECT_FALSE(unknown.AreKnown()) << second;
+    EXPECT_EQ(Complaint(unknown), "") << second;
+    const RecordingTimes created(clips, {Header(60, kMayNoon), Header(60, kMayNoon + 100)});
+    EXPECT_DOUBLE_EQ(created.GapAfter(0, 60), 40) << second;
+  }
+}
+
 TEST(RecordingTimes, AGapIsLongerThanTheResolutionOfTheNames) {
   const RecordingTimes times({"20230501_120000.mp4", "20230501_120100.mp4", "20230501_120203.mp4"},
                              {Header(60), Header(60), Header(60)});

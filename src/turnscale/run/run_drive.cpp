@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/frames/frame_reader.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/drive_speed.h"
@@ -26,7 +27,7 @@ namespace {
 // Why the summary does not call a run complete.
 enum class Stop {
   kNo,
-  kEndsEarly,  // the images end before the drive does
+  kLacksImages,  // of the beginning or the end of the drive
   kMaxFrames,
   kInterrupted,
   kFailed,          // an exception, also where the results are computed or written
@@ -78,9 +79,15 @@ class Run {
     at_end_ = drive_.at_end();
     if (stop_ != Stop::kNo || Enough()) return;
     if (!at_end_.notice.empty()) Warn(at_end_.notice);
-    if (at_end_.ends_early.empty()) return;
-    stop_ = Stop::kEndsEarly;
-    Warn(at_end_.ends_early);
+    if (!at_end_.ends_early.empty()) Warn(at_end_.ends_early);
+    if (!LackingImages().empty()) stop_ = Stop::kLacksImages;
+  }
+
+  // Of the beginning and the end of the drive.
+  std::string LackingImages() const {
+    std::string why = at_end_.begins_late;
+    AddSentence(why, at_end_.ends_early);
+    return why;
   }
 
   bool Enough() const { return drive_.max_frames && recorder_.frames() >= *drive_.max_frames; }
@@ -179,8 +186,8 @@ class Run {
     switch (stop_) {
       case Stop::kNo:
         return "";
-      case Stop::kEndsEarly:
-        return at_end_.ends_early;
+      case Stop::kLacksImages:
+        return LackingImages();
       case Stop::kMaxFrames:
         return fmt::format("--max-frames {}", *drive_.max_frames);
       case Stop::kInterrupted:

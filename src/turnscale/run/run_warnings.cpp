@@ -24,7 +24,7 @@ constexpr auto kMeasureAgain =
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
 // Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
-// not follow one another.
+// not follow one another. Where images are seen to be missing before a clip, the reader of the clips has said so.
 std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const std::vector<MissingPart>& missing,
                                       double first_time) {
   constexpr double kAtOnce = 0.15;  // s
@@ -34,7 +34,7 @@ std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const 
     const bool lost = std::ranges::any_of(missing, [&](const MissingPart& part) {
       return part.reason == MissingReason::kLost && std::abs(part.from - clip.start) < kAtOnce;
     });
-    if (!lost || clip.gap_before > 0) continue;
+    if (!lost || clip.gap_before > 0 || clip.unknown_gap_before) continue;
     const auto name = [](const ClipPart& part) { return std::filesystem::path(part.file).filename().string(); };
     warnings.push_back(
         fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "
@@ -183,6 +183,16 @@ std::string BeginningWarning(const UnmappedBeginning& beginning, const RunSummar
   return warning;
 }
 
+// A path that is assumed rather than measured for more than half of its length; empty if it is not.
+std::string MostlyMissingWarning(const PathSummary& path) {
+  constexpr double kMost = 0.5;
+  if (!(path.missing_distance > kMost * path.distance)) return "";
+  return fmt::format(
+      "{:.0f} % of the length of the path is not measured, but follows from the motion before and after: it is a guess "
+      "there; missing in the summary says where",
+      100 * path.missing_distance / path.distance);
+}
+
 // Gaps in which the car may have turned by another angle than the path has; empty if there are none.
 std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double first_time) {
   constexpr double kLeast = 10 / kDegreesPerRadian;
@@ -223,6 +233,7 @@ std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vect
   std::vector<double> seams;
   for (const ClipPart& clip : drive.ending.clips) seams.push_back(clip.start);
   warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, seams), first_time));
+  warnings.push_back(MostlyMissingWarning(path));
   warnings.push_back(UnknownTurnWarning(drive.restarts, first_time));
   warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
   warnings.push_back(ImpossibleDirectionText(path.impossible_directions, first_time));

@@ -169,16 +169,30 @@ TEST(RunWarnings, WhatAWrongCalibrationDoesIsSaidOnce) {
 TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   std::vector<FrameResult> frames = PathFrames(8, 1);
   frames[4].state = TrackingState::kBridged;
-  const auto warnings = [&](double start, double gap) {
+  const auto warnings = [&](double start, double gap, bool unknown_gap = false) {
     DriveFacts drive;
-    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap}};
+    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap, unknown_gap}};
     return SummaryOf(drive, frames, {}).warnings;
   };
   const double seam = frames[4].time;
   ASSERT_EQ(warnings(seam, 0).size(), 1u);
   EXPECT_NE(warnings(seam, 0)[0].find("where a.mp4 ends and b.mp4 begins"), std::string::npos);
   EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
+  EXPECT_TRUE(warnings(seam, 0, true).empty()) << "that images are missing is named already";
   EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
+}
+
+TEST(RunWarnings, WarnsOfAPathThatIsMostlyAssumed) {
+  const auto warnings = [](int lost) {
+    std::vector<FrameResult> frames = PathFrames(11, 1);
+    for (FrameResult& frame : frames) frame.keyframe = true;
+    for (int i = 2; i < 2 + lost; ++i) frames[i].state = TrackingState::kBridged;
+    return SummaryOf({}, frames, {}).warnings;
+  };
+  EXPECT_TRUE(warnings(0).empty());
+  EXPECT_TRUE(warnings(5).empty()) << "half of it";
+  ASSERT_EQ(warnings(6).size(), 1u);
+  EXPECT_TRUE(warnings(6)[0].starts_with("60 % of the length of the path is not measured")) << warnings(6)[0];
 }
 
 TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
