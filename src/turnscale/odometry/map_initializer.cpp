@@ -58,21 +58,21 @@ void LeaveOut(const std::vector<char>& left_out, InitialMap& map) {
 
 }  // namespace
 
-std::optional<InitialMap> MapInitializer::Add(const FlowImage& image, int frame, double time) {
-  if (frames_.empty() || !Follow(image, frame, time)) {
-    Start(image, frame, time);
+std::optional<InitialMap> MapInitializer::Add(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
+  if (frames_.empty() || !Follow(image, mask, frame, time)) {
+    Start(image, mask, frame, time);
     return std::nullopt;
   }
   return TryTwoViews();
 }
 
-void MapInitializer::Start(const FlowImage& image, int frame, double time) {
+void MapInitializer::Start(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
   frames_.clear();
   alive_.clear();
   pixels_.clear();
   WaitingFrame first{.frame = frame, .time = time, .features = {}, .pixels = {}};
   const std::vector<cv::KeyPoint> candidates = FindCandidates(options_.corners, image.gray, image.dark);
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, candidates, {}, mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, candidates, {}, mask)) {
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     first.features.push_back(static_cast<int>(first.features.size()));
@@ -86,14 +86,14 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
   last_ = image;
 }
 
-bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
+bool MapInitializer::Follow(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
   const FlowImage before = MatchBrightness(options_.flow, last_, image);
   FlowResult flow = TrackPoints(options_.flow, before, image, pixels_, pixels_);
   CheckReturn(options_.flow, before, image, pixels_, flow);
   WaitingFrame next{.frame = frame, .time = time, .features = {}, .pixels = {}};
   std::vector<cv::Point2f> pixels;
   for (size_t i = 0; i < alive_.size(); ++i) {
-    if (flow.found[i] == 0 || !IsKept(mask_, flow.points[i])) continue;
+    if (flow.found[i] == 0 || !IsKept(mask, flow.points[i])) continue;
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({flow.points[i].x, flow.points[i].y});
     if (!undistorted) continue;
     next.features.push_back(alive_[i]);

@@ -47,20 +47,20 @@ struct InitialMap {
 /// have to move if they belonged to it, are left out.
 class MapInitializer {
  public:
-  /// Pixels that are 0 in `mask` are left out (8 bit; empty: none are). Where `vehicle_from_camera` is known, what
-  /// moves sideways is no start, nor what may be the side of a vehicle that passes (MayBePassingVehicle).
-  MapInitializer(const OdometryOptions& options, const CameraModel& camera, const cv::Mat& mask = {},
+  /// Where `vehicle_from_camera` is known, what moves sideways is no start, nor what may be the side of a vehicle that
+  /// passes (MayBePassingVehicle).
+  MapInitializer(const OdometryOptions& options, const CameraModel& camera,
                  const std::optional<Eigen::Quaterniond>& vehicle_from_camera = {})
-      : options_(options), camera_(camera), mask_(mask), vehicle_from_camera_(vehicle_from_camera) {}
+      : options_(options), camera_(camera), vehicle_from_camera_(vehicle_from_camera) {}
 
-  /// Takes the next image; gives the map's start as soon as two views suffice for it.
-  std::optional<InitialMap> Add(const FlowImage& image, int frame, double time);
+  /// Takes the next image; gives the map's start as soon as two views suffice for it. `mask`: as ImageMask::pixels.
+  std::optional<InitialMap> Add(const FlowImage& image, const cv::Mat& mask, int frame, double time);
 
   int tracked() const { return static_cast<int>(alive_.size()); }
 
  private:
-  void Start(const FlowImage& image, int frame, double time);
-  bool Follow(const FlowImage& image, int frame, double time);
+  void Start(const FlowImage& image, const cv::Mat& mask, int frame, double time);
+  bool Follow(const FlowImage& image, const cv::Mat& mask, int frame, double time);
   std::optional<InitialMap> TryTwoViews() const;
   /// The first and the latest view, and which features of the latest are left out, as they stand still.
   struct MatchedViews {
@@ -89,7 +89,6 @@ class MapInitializer {
 
   OdometryOptions options_;
   CameraModel camera_;
-  cv::Mat mask_;
   std::optional<Eigen::Quaterniond> vehicle_from_camera_;
   cv::Mat first_image_;
   std::vector<cv::Point2f> first_pixels_;

@@ -112,7 +112,6 @@ void Odometry::CheckImage(const cv::Mat& gray) {
   // Not every camera file has the image size; the first image that fits the mask has it.
   map_.camera.width = gray.cols;
   map_.camera.height = gray.rows;
-  ApplyMask();
   WaitForMap();
 }
 
@@ -123,12 +122,10 @@ void Odometry::SetMask(const cv::Mat& mask) {
   mask_.SetGiven(mask);
 }
 
-void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
-
 void Odometry::WaitForMap() {
   const bool is_known = mount().current().found || options_.vehicle.camera_known || !options_.vehicle.calibrate_camera;
   const auto rotation = is_known ? std::optional(mount().current().vehicle_from_camera) : std::nullopt;
-  initializer_.emplace(options_, map_.camera, mask_.pixels(), rotation);
+  initializer_.emplace(options_, map_.camera, rotation);
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
@@ -161,7 +158,7 @@ void Odometry::Finish() {
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
-  const std::optional<InitialMap> start = initializer_->Add(image, result.frame, result.time);
+  const std::optional<InitialMap> start = initializer_->Add(image, mask_.pixels(), result.frame, result.time);
   result.tracked = initializer_->tracked();
   if (map_.keyframes.empty())
     history_.AddWithoutPose(result);
@@ -192,7 +189,6 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   tracker_.Start(image, added.tracks, start.CountPoints());
   mask_.LeaveOut(start.motion);
   start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
-  ApplyMask();
   initializer_.reset();
   lost_frames_ = 0;
   last_seen_time_ = start.frames.back().time;
@@ -202,7 +198,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
 }
 
 TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
-  TrackedFrame tracked = tracker_.Track(map_, image, motion_, predicted, result.time);
+  TrackedFrame tracked = tracker_.Track(map_, mask_.pixels(), image, motion_, predicted, result.time);
   result.tracked = tracked.tracked;
   result.inliers = tracked.inliers;
   if (!tracked.camera_from_world) return tracked;
@@ -277,7 +273,6 @@ void Odometry::AddKeyframe(const FrameResult& result) {
   const RigidTransform camera_from_world = motion_.last();
   const int keyframe = CountKeyframes(map_);
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
-  ApplyMask();
   map_.keyframes.push_back(
       {.frame = result.frame, .time = result.time, .camera_from_world = camera_from_world, .observations = {}});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
@@ -316,7 +311,7 @@ std::optional<MeasuredHeight> Odometry::ExtendMap(const FlowImage& image, FrameR
   result.keyframe = true;
   // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
-  tracker_.Replenish(image, corners.get(), map_);
+  tracker_.Replenish(image, mask_.pixels(), corners.get(), map_);
   return height.get();
 }
 

@@ -103,7 +103,6 @@ class Odometry {
 
  private:
   void CheckImage(const cv::Mat& gray);
-  void ApplyMask();
   /// There is no map to track against: none yet, or tracking has been lost for so long that another one is needed.
   bool waits_for_map() const { return initializer_.has_value(); }
   void WaitForMap();
