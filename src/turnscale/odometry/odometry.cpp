@@ -261,6 +261,7 @@ void Odometry::AddKeyframe(const FrameResult& result) {
     start_in_doubt_.reset();
   TriangulateLandmarks(options_.landmarks, LandmarksOfScene(), map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
+  failed_adjustments_ += adjusted.failed ? 1 : 0;
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   upkeep_.JudgeUnits(map_);
   mount_jumps_.CorrectLast(camera_from_world * map_.keyframes.back().camera_from_world.inverse());
@@ -320,6 +321,7 @@ void Odometry::ApplyBackgroundWork() {
 }
 
 void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransform& last_from_keyframe) {
+  failed_adjustments_ += applied.failed ? 1 : 0;
   FollowMap(applied.keyframes.first, applied.factors, last_from_keyframe);
   scale_.Reread(map_, std::move(applied.mount), applied.keyframes);
 }
@@ -345,7 +347,7 @@ void Odometry::AdjustWholeDrive() {
   // less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
-  AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
+  failed_adjustments_ += AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
 }

@@ -94,6 +94,8 @@ class Odometry {
   LensRefinement lens() const { return camera_refinement_.lens(); }
   /// The consistency test of the given calibration.
   CalibrationCheck calibration_check() const { return camera_refinement_.calibration_check(); }
+  /// Adjustments of the map that failed, as a position was no number: there, the map stayed as it was.
+  int failed_adjustments() const { return failed_adjustments_; }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
   /// The images are upside down, by the road that they show: left and right are exchanged in the path.
@@ -174,6 +176,7 @@ class Odometry {
 
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
+  int failed_adjustments_ = 0;
   bool finished_ = false;
   std::optional<RefinedScale> refined_;  ///< once the drive is over
 };
