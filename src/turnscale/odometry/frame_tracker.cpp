@@ -15,11 +15,11 @@
 namespace turnscale {
 namespace {
 
-// Whether a landmark without a depth, now at `pixel`, is none of the scene: it has always been at this pixel, although
+// Whether a landmark without a depth, now at `undistorted`, is none of the scene: it has always been there, although
 // the camera's motion moves whatever is there.
 bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landmark& landmark,
-                 const Eigen::Vector2d& pixel, const RigidTransform& camera_from_world) {
-  return HasStayed(landmark, pixel, options.max_motion) &&
+                 const Eigen::Vector2d& undistorted, const RigidTransform& camera_from_world) {
+  return HasStayed(landmark, undistorted, options.max_motion) &&
          std::ranges::any_of(landmark.observations, [&](const LandmarkObservation& seen) {
            const RigidTransform& then_from_world = map.keyframes[seen.keyframe].camera_from_world;
            return LeastSceneMotion(map.camera.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=

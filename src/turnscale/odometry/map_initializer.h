@@ -19,8 +19,8 @@ namespace turnscale {
 struct WaitingFrame {
   int frame = 0;
   double time = 0;
-  std::vector<int> features;            ///< numbers of the features seen
-  std::vector<Eigen::Vector2d> pixels;  ///< undistorted, one per feature seen
+  std::vector<int> features;                 ///< numbers of the features seen
+  std::vector<Eigen::Vector2d> undistorted;  ///< their pixels in the ideal pinhole image
 };
 
 /// What a new map starts from. All in the first view's camera frame, in the arbitrary unit of the start.
@@ -29,7 +29,7 @@ struct InitialMap {
   cv::Mat first_image;
   std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one per feature
   std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one per feature the second view saw
-  double radial_correction = 0;            ///< under which the pixels of the frames are undistorted
+  double radial_correction = 0;            ///< under which the frames' pixels are undistorted
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag per feature
   std::vector<Eigen::Vector3d> points;  ///< one per feature

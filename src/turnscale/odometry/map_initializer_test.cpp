@@ -36,7 +36,7 @@ void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTrans
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (map.has_point[i] == 0) continue;
     ++points;
-    const double depth = boards.DepthAt(SmallCamera().pinhole.Ray(map.frames.front().pixels[i]));
+    const double depth = boards.DepthAt(SmallCamera().pinhole.Ray(map.frames.front().undistorted[i]));
     right += std::abs(map.points[i].z() * baseline / depth - 1) < 0.1 ? 1 : 0;
   }
   EXPECT_GE(points, 80);
@@ -102,7 +102,7 @@ TEST(MapInitializer, ADashboardIsNoneOfTheScene) {
   ExpectTrueMap(*map, boards, Moved(last - 2), 2.5, 0.2);
   for (size_t i = 0; i < map->has_point.size(); ++i) {
     if (map->has_point[i] != 0) {
-      EXPECT_LT(map->frames.front().pixels[i].y(), kFirstRow + 8) << "half a patch reaches over the edge";
+      EXPECT_LT(map->frames.front().undistorted[i].y(), kFirstRow + 8) << "half a patch reaches over the edge";
     }
   }
   EXPECT_EQ(map->second_pixels.size(), map->frames.back().features.size());

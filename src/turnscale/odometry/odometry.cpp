@@ -329,8 +329,8 @@ void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransf
 void Odometry::CorrectLens(double radial_correction) {
   const double before = map_.camera.radial_correction;
   turnscale::CorrectLens(map_, radial_correction);
-  tracker_.Correct([&](const Eigen::Vector2d& pixel) {
-    return ChangeRadialCorrection(map_.camera.pinhole, before, radial_correction, pixel);
+  tracker_.Correct([&](const Eigen::Vector2d& undistorted) {
+    return ChangeRadialCorrection(map_.camera.pinhole, before, radial_correction, undistorted);
   });
 }
 
