@@ -38,66 +38,51 @@ void AddCalibrateCommand(CLI::App& app) {
       app.add_subcommand("calibrate", "Estimate the camera-to-vehicle rotation from the camera's motion.");
   auto arguments = std::make_shared<CalibrateArguments>();
   ImageArguments& images = arguments->images;
-  CLI::Option* input = calibrate->add_option("input", images.inputs, "Images of the drive, as for run");
-  CLI::Option* trajectory = calibrate
-                                ->add_option("--trajectory", arguments->trajectory,
-                                             "Instead of images: camera trajectory in any unit of length, TUM, KITTI "
-                                             "or EuRoC, or the folder of a run")
-                                ->excludes(input);
+  calibrate->add_option("input", images.inputs, "Images of the drive, as for run");
+  calibrate->add_option("--trajectory", arguments->trajectory,
+                        "Instead of images: camera trajectory in any unit of length, TUM, KITTI "
+                        "or EuRoC, or the folder of a run");
   calibrate
       ->add_option(
           "--axes", arguments->axes,
           "Axes of the trajectory's poses: camera, or vehicle axes forward-left-up (flu) or forward-right-down "
           "(frd)")
       ->check(CLI::IsMember({"auto", "camera", "flu", "frd"}))
-      ->capture_default_str()
-      ->needs(trajectory);
+      ->capture_default_str();
   AddCameraOptions(*calibrate, images);
-  for (const char* option : {"--camera", "--fov", "--camera-refine"})
-    calibrate->get_option(option)->excludes(trajectory);
-  CLI::Option* timestamps = calibrate->add_option(
+  calibrate->add_option(
       "--timestamps", images.timestamps,
       fmt::format("Times of the frames, {} [times.txt in the input folder, or beside the trajectory]", kTimesPerLine));
-  calibrate
-      ->add_option("--fps", images.fps,
-                   "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag")
-      ->excludes(timestamps);
-  calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
+  calibrate->add_option(
+      "--fps", images.fps,
+      "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag");
+  calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run");
   AddPartOptions(*calibrate, images);
-  for (const char* option : {"--topic", "--start", "--end", "--rotate", "--mask"})
-    calibrate->get_option(option)->excludes(trajectory);
-  CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
-                                ->check(CLI::Range(1, 1'000'000'000))
-                                ->excludes(trajectory);
-  CLI::Option* speed = calibrate->add_option(
+  calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
+      ->check(CLI::Range(1, 1'000'000'000));
+  calibrate->add_option(
       "--speed", arguments->speed,
       "File with one 'time, speed' per line, s and m/s, or in the unit that its first line names, such as "
       "'time, speed_kmh': estimate the lever arm too");
-  CLI::Option* distance = calibrate->add_option("--distance", arguments->distance,
-                                                "Path length of the drive, metres: estimate the lever arm too");
-  CLI::Option* metric =
-      calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: estimate the lever arm too")
-          ->needs(trajectory);
-  CLI::Option* lever_arm = calibrate->add_option(
+  calibrate->add_option("--distance", arguments->distance,
+                        "Path length of the drive, metres: estimate the lever arm too");
+  calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: estimate the lever arm too");
+  calibrate->add_option(
       "--lever-arm", arguments->lever_arm,
       "Known lever arm, metres from the rear axle forward to the camera; recorded in the output file, for "
       "run --vehicle");
-  speed->excludes(distance)->excludes(metric)->excludes(lever_arm);
-  distance->excludes(metric)->excludes(lever_arm)->excludes(max_frames);
-  metric->excludes(lever_arm);
-  CLI::Option* side_slip = calibrate->add_option(
+  calibrate->add_option(
       "--side-slip", arguments->side_slip,
       fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
                   "L_eff = L - c v^2; 0: none [{}; 0 without timestamps]",
                   VehicleOptions().side_slip));
-  calibrate
-      ->add_flag("--fit-side-slip", arguments->fit_side_slip,
-                 "Estimate c too; needs turns at different speeds, and --speed, --distance or --metric")
-      ->excludes(side_slip);
+  calibrate->add_flag("--fit-side-slip", arguments->fit_side_slip,
+                      "Estimate c too; needs turns at different speeds, and --speed, --distance or --metric");
   calibrate->add_option("--history", arguments->history,
                         "Write the estimate over time to this CSV file, and plot it (.svg beside it)");
   calibrate->add_option("--out", arguments->out, "File for the calibration")->capture_default_str();
   calibrate->add_flag("--quiet", images.quiet, "Print warnings and errors only");
+  DeclareRules(CalibrateRules(), *calibrate);
   calibrate->footer(
       "Example:\n  turnscale calibrate drive.mp4 --camera camera.yaml --out calibration.yaml\n"
       "  turnscale run drive.mp4 --camera camera.yaml --lever-arm 1.45 --camera-rotation calibration.yaml\n\n"

@@ -64,4 +64,9 @@ void AddTruthOptions(CLI::App& command, TruthFiles& files) {
       ->needs(truth);
 }
 
+void DeclareRules(const OptionRules& rules, CLI::App& command) {
+  for (const auto& [one, other] : rules.exclusive) command.get_option(one)->excludes(command.get_option(other));
+  for (const auto& [one, other] : rules.needs) command.get_option(one)->needs(command.get_option(other));
+}
+
 }  // namespace turnscale

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "turnscale/commands/drive_source.h"
+#include "turnscale/commands/option_rules.h"
 #include "turnscale/commands/run_page.h"
 
 namespace CLI {
@@ -26,5 +27,8 @@ void AddSideSlipOptions(CLI::App& command, std::optional<double>& side_slip, std
 
 /// --truth and --floor-plan.
 void AddTruthOptions(CLI::App& command, TruthFiles& files);
+
+/// Declares which options of a command go together, once it has all of them.
+void DeclareRules(const OptionRules& rules, CLI::App& command);
 
 }  // namespace turnscale

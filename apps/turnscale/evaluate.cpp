@@ -50,15 +50,10 @@ void AddEvaluateCommand(CLI::App& app) {
       "[0,0,0]");
   command->add_option("--json", arguments->json,
                       "Write the results to this JSON file; -: to standard output, instead of the table");
-  CLI::Option* report =
-      command->add_option("--report", arguments->report, "Write a page (HTML) that shows both trajectories");
-  CLI::Option* picture =
-      command->add_option("--picture", arguments->picture, "Draw a top view of both trajectories to this SVG file");
-  CLI::Option* plan = command->add_option("--floor-plan", arguments->floor_plan,
-                                          "floor_plan.csv of a simulated drive, drawn under the trajectories");
-  plan->check([picture, report](const std::string&) {
-    return picture->count() + report->count() > 0 ? "" : "needs --picture or --report";
-  });
+  command->add_option("--report", arguments->report, "Write a page (HTML) that shows both trajectories");
+  command->add_option("--picture", arguments->picture, "Draw a top view of both trajectories to this SVG file");
+  command->add_option("--floor-plan", arguments->floor_plan,
+                      "floor_plan.csv of a simulated drive, drawn under the trajectories");
   command->footer("Example:\n  turnscale evaluate out/drive/trajectory.tum poses.txt --picture path.svg");
   command->callback([arguments] { RunEvaluate(*arguments); });
 }

@@ -17,6 +17,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/commands/option_rules.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/ackermann.h"
@@ -99,6 +100,17 @@ inline void RefuseBoth(const GivenOption& one, const GivenOption& other) {
 /// Throws InputError if the option is given without any of those that it needs, which `needed` names.
 inline void RequireFor(const GivenOption& option, bool has_needed, const char* needed) {
   if (option.given && !has_needed) throw InputError(fmt::format("{}: needs {}", option.name, needed));
+}
+
+/// Throws InputError if the options that are given break a rule. `options`: all that the rules name.
+inline void CheckTogether(const OptionRules& rules, const std::vector<GivenOption>& options) {
+  const auto named = [&](std::string_view name) {
+    const auto found = std::ranges::find_if(options, [&](const GivenOption& option) { return option.name == name; });
+    Ensure(found != options.end(), "a rule names an option that there is");
+    return *found;
+  };
+  for (const auto& [one, other] : rules.exclusive) RefuseBoth(named(one), named(other));
+  for (const auto& [one, other] : rules.needs) RequireFor(named(one), named(other).given, other);
 }
 
 /// Throws InputError unless the option's value is one of those that there are.

@@ -34,6 +34,21 @@ TEST(ArgumentChecks, AnOptionMayNeedAnother) {
   EXPECT_EQ(Complaint([] { RequireFor({"--metric", false}, false, "--trajectory"); }), "");
 }
 
+TEST(ArgumentChecks, RulesAreOfTheOptionsThatTheyName) {
+  const OptionRules rules = {.exclusive = {{"--fps", "--timestamps"}}, .needs = {{"--metric", "--trajectory"}}};
+  const auto complaint = [&](bool timestamps, bool metric, bool trajectory) {
+    return Complaint([&] {
+      CheckTogether(
+          rules, {{"--fps", true}, {"--timestamps", timestamps}, {"--metric", metric}, {"--trajectory", trajectory}});
+    });
+  };
+  EXPECT_EQ(complaint(false, false, false), "");
+  EXPECT_EQ(complaint(false, true, true), "");
+  EXPECT_EQ(complaint(true, false, false), "--fps: excludes --timestamps");
+  EXPECT_EQ(complaint(false, true, false), "--metric: needs --trajectory");
+  EXPECT_THROW(CheckTogether(rules, {{"--fps", true}}), InternalError);
+}
+
 TEST(ArgumentChecks, AChoiceNamesWhatThereIs) {
   EXPECT_EQ(Complaint([] {
               CheckChoice("--drift", "some", {"auto", "none"});

@@ -24,35 +24,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The program's command line refuses these itself.
 void CheckTogether(const CalibrateArguments& arguments) {
   const ImageArguments& images = arguments.images;
-  const GivenOption trajectory = {"--trajectory", arguments.trajectory.has_value()};
   CheckChoice("--axes", arguments.axes, {"auto", "camera", "flu", "frd"});
-  RequireFor({"--axes", arguments.axes != "auto"}, trajectory.given, trajectory.name);
-  RequireFor({"--metric", arguments.metric}, trajectory.given, trajectory.name);
-  for (const GivenOption& of_images :
-       std::initializer_list<GivenOption>{{"input", !images.inputs.empty()},
-                                          {"--camera", images.camera || images.camera_object},
-                                          {"--fov", images.field_of_view.has_value()},
-                                          {"--camera-refine", images.refine_camera},
-                                          {"--settings", images.settings.has_value()},
-                                          {"--topic", !images.topic.empty()},
-                                          {"--start", !images.start.empty()},
-                                          {"--end", !images.end.empty()},
-                                          {"--rotate", images.rotate != 0},
-                                          {"--mask", images.mask.has_value()},
-                                          {"--max-frames", images.max_frames.has_value()}})
-    RefuseBoth(of_images, trajectory);
-  RefuseBoth({"--timestamps", images.timestamps.has_value()}, {"--fps", images.fps.has_value()});
-  const std::initializer_list<GivenOption> lengths = {{"--speed", arguments.speed.has_value()},
-                                                      {"--distance", arguments.distance.has_value()},
-                                                      {"--metric", arguments.metric},
-                                                      {"--lever-arm", arguments.lever_arm.has_value()}};
-  for (const GivenOption* one = lengths.begin(); one != lengths.end(); ++one)
-    for (const GivenOption* other = one + 1; other != lengths.end(); ++other) RefuseBoth(*one, *other);
-  RefuseBoth({"--distance", arguments.distance.has_value()}, {"--max-frames", images.max_frames.has_value()});
-  RefuseBoth({"--side-slip", arguments.side_slip.has_value()}, {"--fit-side-slip", arguments.fit_side_slip});
+  CheckTogether(CalibrateRules(), {{"input", !images.inputs.empty()},
+                                   {"--trajectory", arguments.trajectory.has_value()},
+                                   {"--axes", arguments.axes != "auto"},
+                                   {"--camera", images.camera || images.camera_object},
+                                   {"--fov", images.field_of_view.has_value()},
+                                   {"--camera-refine", images.refine_camera},
+                                   {"--timestamps", images.timestamps.has_value()},
+                                   {"--fps", images.fps.has_value()},
+                                   {"--settings", images.settings.has_value()},
+                                   {"--topic", !images.topic.empty()},
+                                   {"--start", !images.start.empty()},
+                                   {"--end", !images.end.empty()},
+                                   {"--rotate", images.rotate != 0},
+                                   {"--mask", images.mask.has_value()},
+                                   {"--max-frames", images.max_frames.has_value()},
+                                   {"--speed", arguments.speed.has_value()},
+                                   {"--distance", arguments.distance.has_value()},
+                                   {"--metric", arguments.metric},
+                                   {"--lever-arm", arguments.lever_arm.has_value()},
+                                   {"--side-slip", arguments.side_slip.has_value()},
+                                   {"--fit-side-slip", arguments.fit_side_slip}});
 }
 
 // What is read besides the images, also what FindDrive and FindPoseTimes may find by themselves.
@@ -305,6 +300,23 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
 }
 
 }  // namespace
+
+OptionRules CalibrateRules() {
+  OptionRules rules = {.exclusive = {{"--timestamps", "--fps"},
+                                     {"--speed", "--distance"},
+                                     {"--speed", "--metric"},
+                                     {"--speed", "--lever-arm"},
+                                     {"--distance", "--metric"},
+                                     {"--distance", "--lever-arm"},
+                                     {"--metric", "--lever-arm"},
+                                     {"--distance", "--max-frames"},
+                                     {"--side-slip", "--fit-side-slip"}},
+                       .needs = {{"--axes", "--trajectory"}, {"--metric", "--trajectory"}}};
+  for (const char* of_images : {"input", "--camera", "--fov", "--camera-refine", "--settings", "--topic", "--start",
+                                "--end", "--rotate", "--mask", "--max-frames"})
+    rules.exclusive.push_back({of_images, "--trajectory"});
+  return rules;
+}
 
 CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const CommandHooks& hooks) {
   CalibrateArguments arguments = given;

@@ -8,6 +8,7 @@
 
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/drive_source.h"
+#include "turnscale/commands/option_rules.h"
 #include "turnscale/run/calibration_report.h"
 
 namespace turnscale {
@@ -29,6 +30,9 @@ struct CalibrateArguments {
 
   bool in_metres() const { return speed || distance || metric; }
 };
+
+/// Which of the program's options go together.
+OptionRules CalibrateRules();
 
 struct CalibrateOutcome {
   std::optional<CalibrationReport> report;  ///< empty where the drive was stopped before it sufficed

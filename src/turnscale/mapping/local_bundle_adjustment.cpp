@@ -138,6 +138,7 @@ LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& 
   WindowProblem problem = MakeLocalWindow(options, first, map);
   LocalBundleResult result;
   const std::optional<BundleSummary> summary = AdjustWindow(options, problem);
+  result.failed = !summary;
   if (!summary) return result;
   result.summary = *summary;
   WriteBack(problem, map);

@@ -59,6 +59,7 @@ struct LocalBundleOptions {
 struct LocalBundleResult {
   BundleSummary summary;
   std::vector<int> landmarks;  ///< those that took part, ascending
+  bool failed = false;         ///< the window contains NaN
 };
 
 /// The keyframes from `first` to the latest and the landmarks they see; earlier keyframes that see the same landmarks

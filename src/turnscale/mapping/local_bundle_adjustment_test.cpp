@@ -257,8 +257,10 @@ TEST(LocalBundleAdjustment, ANumberThatIsNoneLeavesTheMapAsItIs) {
   const int landmark = map.keyframes.back().observations.front().landmark;
   map.landmarks[landmark].position.x() = std::nan("");
   const Map before = map;
-  EXPECT_TRUE(AdjustLocalWindow({}, map).landmarks.empty());
-  EXPECT_TRUE(AdjustFrom({}, 0, map).landmarks.empty());
+  for (const LocalBundleResult& result : {AdjustLocalWindow({}, map), AdjustFrom({}, 0, map)}) {
+    EXPECT_TRUE(result.failed);
+    EXPECT_TRUE(result.landmarks.empty());
+  }
   for (int k = 0; k < kKeyframes; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
   for (size_t i = 0; i < map.landmarks.size(); ++i) {
     if (static_cast<int>(i) == landmark) continue;

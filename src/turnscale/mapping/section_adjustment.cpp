@@ -52,10 +52,11 @@ std::vector<Section> Sections(const MapArchive& archive, const Map& map, int sec
 
 }  // namespace
 
-void AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map& map) {
+int AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map& map) {
   // An exception on the way leaves all poses as they were. Landmarks of finished sections stay where they were moved.
   Map adjusted{map.camera, map.keyframes, {}};
   Similarity new_from_old;
+  int failed = 0;
   for (const Section& section : Sections(archive, map, options.window, options.anchors)) {
     // Keyframes that hold the section have been adjusted, its own have not.
     ArchivedPart part = archive.Load(section.first_fixed, section.end, adjusted);
@@ -63,7 +64,7 @@ void AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map&
     const RigidTransform old_end = part.map.keyframes.back().camera_from_world;
     const std::vector<Eigen::Vector3d> before = KeyframeCentres(part.map, first);
     MoveFrom(first, new_from_old, {}, part.map);
-    AdjustFrom(options, first, part.map);
+    if (AdjustFrom(options, first, part.map).failed) ++failed;
     for (size_t k = first; k < part.map.keyframes.size(); ++k)
       adjusted.keyframes[section.first_fixed + k].camera_from_world = part.map.keyframes[k].camera_from_world;
     archive.Store(part);
@@ -74,6 +75,7 @@ void AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map&
   }
   for (size_t k = 0; k < map.keyframes.size(); ++k)
     map.keyframes[k].camera_from_world = adjusted.keyframes[k].camera_from_world;
+  return failed;
 }
 
 }  // namespace turnscale

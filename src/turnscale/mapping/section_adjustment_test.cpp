@@ -104,7 +104,7 @@ TEST(SectionAdjustment, AFewKeyframesAreASection) {
     const Map before = map;
     MapArchive archive;
     archive.Retire(keyframes, map);
-    AdjustSections(kOptions, archive, map);
+    EXPECT_EQ(AdjustSections(kOptions, archive, map), 0);
     for (int k = 0; k < keyframes; ++k)
       EXPECT_LT((Centre(map.keyframes[k]) - Centre(before.keyframes[k])).norm(), 0.01) << keyframes;
   }
@@ -116,7 +116,7 @@ TEST(SectionAdjustment, AKeyframeAstrayStaysAlone) {
   map.keyframes[99].camera_from_world.translation.x() = std::nan("");
   MapArchive archive;
   archive.Retire(CountKeyframes(map), map);
-  AdjustSections(kOptions, archive, map);
+  EXPECT_EQ(AdjustSections(kOptions, archive, map), 1);
   for (size_t k = 0; k < map.keyframes.size(); ++k)
     EXPECT_EQ(map.keyframes[k].camera_from_world.translation.allFinite(), k != 99) << k;
 }

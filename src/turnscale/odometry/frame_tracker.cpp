@@ -15,11 +15,11 @@
 namespace turnscale {
 namespace {
 
-// Whether a landmark without a depth, now at `pixel`, is none of the scene: it has always been at this pixel, although
+// Whether a landmark without a depth, now at `undistorted`, is none of the scene: it has always been there, although
 // the camera's motion moves whatever is there.
 bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landmark& landmark,
-                 const Eigen::Vector2d& pixel, const RigidTransform& camera_from_world) {
-  return HasStayed(landmark, pixel, options.max_motion) &&
+                 const Eigen::Vector2d& undistorted, const RigidTransform& camera_from_world) {
+  return HasStayed(landmark, undistorted, options.max_motion) &&
          std::ranges::any_of(landmark.observations, [&](const LandmarkObservation& seen) {
            const RigidTransform& then_from_world = map.keyframes[seen.keyframe].camera_from_world;
            return LeastSceneMotion(map.camera.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=
@@ -54,7 +54,7 @@ bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidT
                      .timing = timing});
 }
 
-TrackedFrame FrameTracker::Track(const Map& map, FlowImage& image, const MotionModel& motion,
+TrackedFrame FrameTracker::Track(const Map& map, const cv::Mat& mask, FlowImage& image, const MotionModel& motion,
                                  const RigidTransform& predicted, double time) {
   const TrackingOptions& limits = options_.tracking;
   const RigidTransform last_from_world = sampled_ ? sampled_->last_from_world : motion.last();
@@ -69,9 +69,9 @@ TrackedFrame FrameTracker::Track(const Map& map, FlowImage& image, const MotionM
                        .time = time};
   std::optional<TrackedPose> sample;
   if (last_image_time_ && time - *last_image_time_ < limits.sampled_interval)
-    sample = TrackSample(options_, map, mask_, step, predicted);
+    sample = TrackSample(options_, map, mask, step, predicted);
   if (!sample && image.pyramid.empty()) BuildPyramid(options_.flow, image);
-  TrackedPose tracked = sample ? *std::move(sample) : TrackImage(options_, map, mask_, step, predicted);
+  TrackedPose tracked = sample ? *std::move(sample) : TrackImage(options_, map, mask, step, predicted);
   TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()),
                      .inliers = tracked.estimate.inliers,
                      .is_sampled = tracked.is_sampled};
@@ -162,7 +162,8 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
-void FrameTracker::Replenish(const FlowImage& image, const std::vector<cv::KeyPoint>& candidates, Map& map) {
+void FrameTracker::Replenish(const FlowImage& image, const cv::Mat& mask, const std::vector<cv::KeyPoint>& candidates,
+                             Map& map) {
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
@@ -172,7 +173,7 @@ void FrameTracker::Replenish(const FlowImage& image, const std::vector<cv::KeyPo
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   const auto reference = std::make_shared<const cv::Mat>(image.gray);
   RenewReferences(map, reference);
-  DetectNewFeatures(reference, candidates, map);
+  DetectNewFeatures(reference, mask, candidates, map);
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
@@ -194,10 +195,10 @@ void FrameTracker::RenewReferences(const Map& map, const std::shared_ptr<const c
   }
 }
 
-void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image,
+void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image, const cv::Mat& mask,
                                      const std::vector<cv::KeyPoint>& candidates, Map& map) {
   const int keyframe = CountKeyframes(map) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask)) {
     const std::optional<Eigen::Vector2d> undistorted = map.camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());

@@ -45,10 +45,10 @@ class FrameTracker {
   bool ShowsSamePixels(const FlowImage& image) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
-  /// motion model's others. Builds the image's pyramid unless a sample of the landmarks is
-  /// enough.
-  TrackedFrame Track(const Map& map, FlowImage& image, const MotionModel& motion, const RigidTransform& predicted,
-                     double time);
+  /// motion model's others. Builds the image's pyramid unless a sample of the landmarks is enough. `mask`: as
+  /// ImageMask::pixels.
+  TrackedFrame Track(const Map& map, const cv::Mat& mask, FlowImage& image, const MotionModel& motion,
+                     const RigidTransform& predicted, double time);
 
   /// Whether the camera had stood still for a second at least in the last image in which all landmarks were tracked.
   bool HasStood() const { return has_stood_; }
@@ -58,11 +58,8 @@ class FrameTracker {
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
 
   /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
-  /// landmarks without a depth, out of the image's candidates (FindCandidates).
-  void Replenish(const FlowImage& image, const std::vector<cv::KeyPoint>& candidates, Map& map);
-
-  /// Pixels that are 0 are left out from now on (8 bit; empty: none are).
-  void SetMask(const cv::Mat& mask) { mask_ = mask; }
+  /// landmarks without a depth, out of the image's candidates (FindCandidates). `mask`: as ImageMask::pixels.
+  void Replenish(const FlowImage& image, const cv::Mat& mask, const std::vector<cv::KeyPoint>& candidates, Map& map);
 
   /// Ends tracks without a depth that have not moved in the image since they were first seen, although the scene moves
   /// there. Returns how the tracks have moved. For a new keyframe at this pose, before it is in the map.
@@ -109,11 +106,10 @@ class FrameTracker {
   void NoticeStanding(const Map& map, int inliers, double time);
   // The image is that of the latest keyframe.
   void RenewReferences(const Map& map, const std::shared_ptr<const cv::Mat>& image);
-  void DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image, const std::vector<cv::KeyPoint>& candidates,
-                         Map& map);
+  void DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image, const cv::Mat& mask,
+                         const std::vector<cv::KeyPoint>& candidates, Map& map);
 
   OdometryOptions options_;
-  cv::Mat mask_;
   FlowImage last_image_;                   ///< the latest one in which all landmarks were tracked
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it

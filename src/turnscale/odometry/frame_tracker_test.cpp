@@ -62,7 +62,7 @@ class FrameTracking : public testing::Test {
   }
 
   TrackedFrame Track(FlowImage image, const RigidTransform& predicted, double time) {
-    return tracker_.Track(map_, image, motion_, predicted, time);
+    return tracker_.Track(map_, mask_, image, motion_, predicted, time);
   }
 
   TrackedFrame Track(FlowImage image, double predicted_pixels) {
@@ -71,6 +71,7 @@ class FrameTracking : public testing::Test {
 
   OdometryOptions options_;
   Map map_;
+  cv::Mat mask_;
   SyntheticTexture texture_{11};
   FrameTracker tracker_{options_};
   MotionModel motion_;
@@ -213,7 +214,7 @@ class FrameSampling : public FrameTracking {
   TrackedFrame TrackNext(double pixels, double time) {
     FlowImage image = Seen(pixels);
     image.pyramid.clear();
-    const TrackedFrame frame = tracker_.Track(map_, image, motion_, motion_.Predict(time), time);
+    const TrackedFrame frame = tracker_.Track(map_, mask_, image, motion_, motion_.Predict(time), time);
     EXPECT_TRUE(frame.camera_from_world);
     EXPECT_EQ(image.pyramid.empty(), frame.is_sampled);
     if (frame.camera_from_world) motion_.Update(time, *frame.camera_from_world);
@@ -295,7 +296,7 @@ TEST_F(FrameTracking, AKeyframeGetsNewFeatures) {
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
   const size_t tracked = tracker_.tracks().size();
   const size_t landmarks = map_.landmarks.size();
-  tracker_.Replenish(image, FindCandidates(options_.corners, image.gray), map_);
+  tracker_.Replenish(image, mask_, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(map_.landmarks.size(), landmarks);
   EXPECT_EQ(tracker_.tracks().size() - tracked, map_.landmarks.size() - landmarks);
   EXPECT_FALSE(map_.landmarks.back().valid) << "its depth is not known yet";
@@ -333,16 +334,15 @@ TEST_F(FrameTracking, WhatStandsStillWhileTheSceneMovesIsNoneOfIt) {
 }
 
 TEST_F(FrameTracking, MaskedPixelsAreLeftOut) {
-  cv::Mat mask(map_.camera.height, map_.camera.width, CV_8U, cv::Scalar(255));
-  mask.rowRange(160, 240).setTo(0);
-  tracker_.SetMask(mask);
+  mask_ = cv::Mat(map_.camera.height, map_.camera.width, CV_8U, cv::Scalar(255));
+  mask_.rowRange(160, 240).setTo(0);
   const FlowImage image = Seen(20);
   const TrackedFrame frame = Track(image, 20);
   ASSERT_TRUE(frame.camera_from_world);
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
-  tracker_.Replenish(image, FindCandidates(options_.corners, image.gray), map_);
+  tracker_.Replenish(image, mask_, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(tracker_.tracks().size(), 100U);
-  for (const FeatureTrack& track : tracker_.tracks()) EXPECT_TRUE(IsKept(mask, track.pixel)) << track.pixel;
+  for (const FeatureTrack& track : tracker_.tracks()) EXPECT_TRUE(IsKept(mask_, track.pixel)) << track.pixel;
 }
 
 TEST_F(FrameTracking, LandmarksThatGoTakeTheirTracksAlong) {

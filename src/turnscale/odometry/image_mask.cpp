@@ -29,11 +29,12 @@ void StaticRegionOptions::Check() const {
   if (min_evidence < 1) throw InputError("min_evidence: has to be at least 1");
 }
 
-double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first, const Eigen::Vector2d& pixel) {
-  const Eigen::Vector3d far = second_from_first.rotation * pinhole.Ray(pixel);
+double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first,
+                        const Eigen::Vector2d& undistorted) {
+  const Eigen::Vector3d far = second_from_first.rotation * pinhole.Ray(undistorted);
   if (!(far.z() > 0)) return HUGE_VAL;
   // Nearer points lie on a line from where the infinitely far one is.
-  const Eigen::Vector2d from_far = pixel - pinhole.Project(far);
+  const Eigen::Vector2d from_far = undistorted - pinhole.Project(far);
   const Eigen::Vector3d& t = second_from_first.translation;
   const Eigen::Vector2d nearer(pinhole.fx * (t.x() * far.z() - far.x() * t.z()),
                                pinhole.fy * (t.y() * far.z() - far.y() * t.z()));
@@ -42,9 +43,9 @@ double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_fro
   return (from_far - along / nearer.squaredNorm() * nearer).norm();
 }
 
-bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion) {
+bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& undistorted, double max_motion) {
   return std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
-    return (seen.pixel - pixel).norm() <= max_motion;
+    return (seen.pixel - undistorted).norm() <= max_motion;
   });
 }
 

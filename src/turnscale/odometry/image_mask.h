@@ -29,12 +29,13 @@ struct StaticRegionOptions {
   void Check() const;
 };
 
-/// Distance of a pixel from where a camera motion can take it, pixels: the least over all depths of what it shows.
-/// Where it is large, a feature that has not moved does not belong to the scene.
-double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first, const Eigen::Vector2d& pixel);
+/// Distance of an undistorted pixel from where a camera motion can take it, pixels: the least over all depths of what
+/// it shows. Where it is large, a feature that has not moved does not belong to the scene.
+double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first,
+                        const Eigen::Vector2d& undistorted);
 
-/// Whether all keyframes have seen a landmark within so many pixels of the one given.
-bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion);
+/// Whether all keyframes have seen a landmark within so many pixels of an undistorted one.
+bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& undistorted, double max_motion);
 
 /// How a feature has moved in the image, as evidence of whether it belongs to the scene.
 struct ObservedMotion {

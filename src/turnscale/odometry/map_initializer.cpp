@@ -49,34 +49,34 @@ void LeaveOut(const std::vector<char>& left_out, InitialMap& map) {
     for (size_t i = 0; i < frame.features.size(); ++i) {
       if (is_left_out[frame.features[i]] != 0) continue;
       frame.features[next] = frame.features[i];
-      frame.pixels[next++] = frame.pixels[i];
+      frame.undistorted[next++] = frame.undistorted[i];
     }
     frame.features.resize(next);
-    frame.pixels.resize(next);
+    frame.undistorted.resize(next);
   }
 }
 
 }  // namespace
 
-std::optional<InitialMap> MapInitializer::Add(const FlowImage& image, int frame, double time) {
-  if (frames_.empty() || !Follow(image, frame, time)) {
-    Start(image, frame, time);
+std::optional<InitialMap> MapInitializer::Add(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
+  if (frames_.empty() || !Follow(image, mask, frame, time)) {
+    Start(image, mask, frame, time);
     return std::nullopt;
   }
   return TryTwoViews();
 }
 
-void MapInitializer::Start(const FlowImage& image, int frame, double time) {
+void MapInitializer::Start(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
   frames_.clear();
   alive_.clear();
   pixels_.clear();
-  WaitingFrame first{.frame = frame, .time = time, .features = {}, .pixels = {}};
+  WaitingFrame first{.frame = frame, .time = time, .features = {}, .undistorted = {}};
   const std::vector<cv::KeyPoint> candidates = FindCandidates(options_.corners, image.gray, image.dark);
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, candidates, {}, mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, candidates, {}, mask)) {
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     first.features.push_back(static_cast<int>(first.features.size()));
-    first.pixels.push_back(*undistorted);
+    first.undistorted.push_back(*undistorted);
     pixels_.push_back(corner);
   }
   alive_ = first.features;
@@ -86,18 +86,18 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
   last_ = image;
 }
 
-bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
+bool MapInitializer::Follow(const FlowImage& image, const cv::Mat& mask, int frame, double time) {
   const FlowImage before = MatchBrightness(options_.flow, last_, image);
   FlowResult flow = TrackPoints(options_.flow, before, image, pixels_, pixels_);
   CheckReturn(options_.flow, before, image, pixels_, flow);
-  WaitingFrame next{.frame = frame, .time = time, .features = {}, .pixels = {}};
+  WaitingFrame next{.frame = frame, .time = time, .features = {}, .undistorted = {}};
   std::vector<cv::Point2f> pixels;
   for (size_t i = 0; i < alive_.size(); ++i) {
-    if (flow.found[i] == 0 || !IsKept(mask_, flow.points[i])) continue;
+    if (flow.found[i] == 0 || !IsKept(mask, flow.points[i])) continue;
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({flow.points[i].x, flow.points[i].y});
     if (!undistorted) continue;
     next.features.push_back(alive_[i]);
-    next.pixels.push_back(*undistorted);
+    next.undistorted.push_back(*undistorted);
     pixels.push_back(flow.points[i]);
   }
   // No first view is closer to an image than the image before it.
@@ -125,7 +125,7 @@ bool MapInitializer::HasGone(const WaitingFrame& next) const {
 std::vector<char> MapInitializer::FindStatic(const WaitingFrame& next) const {
   std::vector<char> still;
   for (size_t i = 0; i < next.features.size(); ++i) {
-    const double motion = (next.pixels[i] - frames_.front().pixels[next.features[i]]).norm();
+    const double motion = (next.undistorted[i] - frames_.front().undistorted[next.features[i]]).norm();
     still.push_back(motion <= options_.static_regions.max_motion ? 1 : 0);
   }
   return still;
@@ -135,8 +135,8 @@ MapInitializer::Matches MapInitializer::MatchesWithout(const std::vector<char>& 
   Matches matches;
   for (size_t i = 0; i < left_out.size(); ++i) {
     if (left_out[i] != 0) continue;
-    matches.first.push_back(frames_.front().pixels[frames_.back().features[i]]);
-    matches.second.push_back(frames_.back().pixels[i]);
+    matches.first.push_back(frames_.front().undistorted[frames_.back().features[i]]);
+    matches.second.push_back(frames_.back().undistorted[i]);
   }
   return matches;
 }
@@ -163,8 +163,8 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
   std::vector<double> motion;
   for (size_t i = 0; i < still.size(); ++i)
     if (still[i] != 0)
-      motion.push_back(
-          LeastSceneMotion(camera_.pinhole, second_from_first, frames_.front().pixels[frames_.back().features[i]]));
+      motion.push_back(LeastSceneMotion(camera_.pinhole, second_from_first,
+                                        frames_.front().undistorted[frames_.back().features[i]]));
   return Median(std::move(motion)) <= kMostMotionShare * options_.static_regions.max_motion;
 }
 
@@ -176,7 +176,7 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   std::vector<char> has_moved = still;
   for (char& flag : has_moved) flag = flag == 0 ? 1 : 0;
   // Of a car that waits, only the vehicle ahead moves.
-  if (!IsScene(options_.initialization, camera_.pinhole, frames_.back().pixels, has_moved))
+  if (!IsScene(options_.initialization, camera_.pinhole, frames_.back().undistorted, has_moved))
     return {{.status = TwoViewStatus::kStandstill}, none, true};
   const TwoViewResult moving = MatchWithout(still);
   const bool drives =
@@ -195,7 +195,7 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
 bool MapInitializer::MayBePassing(const TwoViewResult& views) const {
   if (!vehicle_from_camera_) return false;
   if (!IsOfCar(views.second_from_first, *vehicle_from_camera_)) return true;
-  const auto [first, second] = MatchesWithout(std::vector<char>(frames_.back().pixels.size(), 0));
+  const auto [first, second] = MatchesWithout(std::vector<char>(frames_.back().undistorted.size(), 0));
   return MayBePassingVehicle(camera_.pinhole, views.essential, first, second,
                              options_.initialization.max_epipolar_error, *vehicle_from_camera_);
 }

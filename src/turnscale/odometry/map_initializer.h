@@ -19,8 +19,8 @@ namespace turnscale {
 struct WaitingFrame {
   int frame = 0;
   double time = 0;
-  std::vector<int> features;            ///< numbers of the features seen
-  std::vector<Eigen::Vector2d> pixels;  ///< undistorted, one per feature seen
+  std::vector<int> features;                 ///< numbers of the features seen
+  std::vector<Eigen::Vector2d> undistorted;  ///< their pixels in the ideal pinhole image
 };
 
 /// What a new map starts from. All in the first view's camera frame, in the arbitrary unit of the start.
@@ -29,7 +29,7 @@ struct InitialMap {
   cv::Mat first_image;
   std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one per feature
   std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one per feature the second view saw
-  double radial_correction = 0;            ///< under which the pixels of the frames are undistorted
+  double radial_correction = 0;            ///< under which the frames' pixels are undistorted
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag per feature
   std::vector<Eigen::Vector3d> points;  ///< one per feature
@@ -47,20 +47,20 @@ struct InitialMap {
 /// have to move if they belonged to it, are left out.
 class MapInitializer {
  public:
-  /// Pixels that are 0 in `mask` are left out (8 bit; empty: none are). Where `vehicle_from_camera` is known, what
-  /// moves sideways is no start, nor what may be the side of a vehicle that passes (MayBePassingVehicle).
-  MapInitializer(const OdometryOptions& options, const CameraModel& camera, const cv::Mat& mask = {},
+  /// Where `vehicle_from_camera` is known, what moves sideways is no start, nor what may be the side of a vehicle that
+  /// passes (MayBePassingVehicle).
+  MapInitializer(const OdometryOptions& options, const CameraModel& camera,
                  const std::optional<Eigen::Quaterniond>& vehicle_from_camera = {})
-      : options_(options), camera_(camera), mask_(mask), vehicle_from_camera_(vehicle_from_camera) {}
+      : options_(options), camera_(camera), vehicle_from_camera_(vehicle_from_camera) {}
 
-  /// Takes the next image; gives the map's start as soon as two views suffice for it.
-  std::optional<InitialMap> Add(const FlowImage& image, int frame, double time);
+  /// Takes the next image; gives the map's start as soon as two views suffice for it. `mask`: as ImageMask::pixels.
+  std::optional<InitialMap> Add(const FlowImage& image, const cv::Mat& mask, int frame, double time);
 
   int tracked() const { return static_cast<int>(alive_.size()); }
 
  private:
-  void Start(const FlowImage& image, int frame, double time);
-  bool Follow(const FlowImage& image, int frame, double time);
+  void Start(const FlowImage& image, const cv::Mat& mask, int frame, double time);
+  bool Follow(const FlowImage& image, const cv::Mat& mask, int frame, double time);
   std::optional<InitialMap> TryTwoViews() const;
   /// The first and the latest view, and which features of the latest are left out, as they stand still.
   struct MatchedViews {
@@ -87,7 +87,6 @@ class MapInitializer {
 
   OdometryOptions options_;
   CameraModel camera_;
-  cv::Mat mask_;
   std::optional<Eigen::Quaterniond> vehicle_from_camera_;
   cv::Mat first_image_;
   std::vector<cv::Point2f> first_pixels_;

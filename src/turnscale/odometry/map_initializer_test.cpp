@@ -18,9 +18,9 @@ RigidTransform Moved(int i) {
   return world_from_camera.inverse();
 }
 
-std::optional<InitialMap> Add(const Boards& boards, const RigidTransform& pose, int frame,
-                              MapInitializer& initializer) {
-  return initializer.Add(BuildFlowImage({}, boards.Seen(SmallCamera(), pose)), frame, 0.1 * frame);
+std::optional<InitialMap> Add(const Boards& boards, const RigidTransform& pose, int frame, MapInitializer& initializer,
+                              const cv::Mat& mask = {}) {
+  return initializer.Add(BuildFlowImage({}, boards.Seen(SmallCamera(), pose)), mask, frame, 0.1 * frame);
 }
 
 void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTransform& truth,
@@ -36,7 +36,7 @@ void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTrans
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (map.has_point[i] == 0) continue;
     ++points;
-    const double depth = boards.DepthAt(SmallCamera().pinhole.Ray(map.frames.front().pixels[i]));
+    const double depth = boards.DepthAt(SmallCamera().pinhole.Ray(map.frames.front().undistorted[i]));
     right += std::abs(map.points[i].z() * baseline / depth - 1) < 0.1 ? 1 : 0;
   }
   EXPECT_GE(points, 80);
@@ -87,7 +87,7 @@ TEST(MapInitializer, ADashboardIsNoneOfTheScene) {
   MapInitializer initializer({}, SmallCamera());
   const auto add = [&](int moved, int frame) {
     const cv::Mat image = BehindDashboard(boards.Seen(SmallCamera(), Moved(moved)), kFirstRow);
-    return initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame);
+    return initializer.Add(BuildFlowImage({}, image), {}, frame, 0.1 * frame);
   };
   for (const int frame : {0, 1, 2}) EXPECT_FALSE(add(0, frame)) << "standing still";
   std::optional<InitialMap> map;
@@ -102,7 +102,7 @@ TEST(MapInitializer, ADashboardIsNoneOfTheScene) {
   ExpectTrueMap(*map, boards, Moved(last - 2), 2.5, 0.2);
   for (size_t i = 0; i < map->has_point.size(); ++i) {
     if (map->has_point[i] != 0) {
-      EXPECT_LT(map->frames.front().pixels[i].y(), kFirstRow + 8) << "half a patch reaches over the edge";
+      EXPECT_LT(map->frames.front().undistorted[i].y(), kFirstRow + 8) << "half a patch reaches over the edge";
     }
   }
   EXPECT_EQ(map->second_pixels.size(), map->frames.back().features.size());
@@ -127,7 +127,7 @@ TEST(MapInitializer, WhatPassesBeforeAStandingCameraIsNoStart) {
       return wall.At(pixel - Eigen::Vector2d((1.0 + 0.02 * pixel.y()) * frame, 0));
     });
     passing.rowRange(140, 240).copyTo(image.rowRange(140, 240));
-    EXPECT_FALSE(initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame)) << "frame " << frame;
+    EXPECT_FALSE(initializer.Add(BuildFlowImage({}, image), {}, frame, 0.1 * frame)) << "frame " << frame;
   }
 }
 
@@ -151,7 +151,7 @@ TEST(MapInitializer, AVehicleThatLeavesBeforeAStandingCameraIsNoStart) {
       });
       const cv::Rect covered(160, 20, 160, 200);
       leaving(covered).copyTo(image(covered));
-      started = started || initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame);
+      started = started || initializer.Add(BuildFlowImage({}, image), {}, frame, 0.1 * frame);
     }
     return started;
   };
@@ -162,13 +162,13 @@ TEST(MapInitializer, AVehicleThatLeavesBeforeAStandingCameraIsNoStart) {
 TEST(MapInitializer, WhatPassesAndFillsTheImageIsNoStart) {
   const SyntheticTexture wall(50, 8, 60);
   const auto starts = [&](const std::optional<Eigen::Quaterniond>& vehicle_from_camera) {
-    MapInitializer initializer({}, SmallCamera(), {}, vehicle_from_camera);
+    MapInitializer initializer({}, SmallCamera(), vehicle_from_camera);
     bool started = false;
     for (int frame = 0; frame < 12; ++frame) {
       const cv::Mat passing = MakeImage({480, 240}, [&](const Eigen::Vector2d& pixel) {
         return wall.At(pixel - Eigen::Vector2d((4.0 + 0.01 * pixel.x()) * frame, 0));
       });
-      started = started || initializer.Add(BuildFlowImage({}, passing), frame, 0.1 * frame);
+      started = started || initializer.Add(BuildFlowImage({}, passing), {}, frame, 0.1 * frame);
     }
     return started;
   };
@@ -180,9 +180,9 @@ TEST(MapInitializer, MaskedPixelsAreLeftOut) {
   const Boards boards(1);
   cv::Mat mask(240, 480, CV_8U, cv::Scalar(255));
   mask.colRange(0, 160).setTo(0);
-  MapInitializer initializer({}, SmallCamera(), mask);
+  MapInitializer initializer({}, SmallCamera());
   std::optional<InitialMap> map;
-  for (int frame = 0; !map && frame < 14; ++frame) map = Add(boards, Moved(frame), frame, initializer);
+  for (int frame = 0; !map && frame < 14; ++frame) map = Add(boards, Moved(frame), frame, initializer, mask);
   ASSERT_TRUE(map);
   for (const cv::Point2f& pixel : map->first_pixels) EXPECT_TRUE(IsKept(mask, pixel)) << pixel;
   for (const cv::Point2f& pixel : map->second_pixels) EXPECT_TRUE(IsKept(mask, pixel)) << pixel;

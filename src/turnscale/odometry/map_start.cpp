@@ -25,7 +25,7 @@ std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame
   std::vector<PointSighting> sightings;
   for (std::size_t i = 0; i < frame.features.size(); ++i) {
     const Landmark& landmark = map.landmarks[first_landmark + frame.features[i]];
-    if (landmark.valid) sightings.push_back({landmark.position, frame.pixels[i]});
+    if (landmark.valid) sightings.push_back({landmark.position, frame.undistorted[i]});
   }
   return sightings;
 }
@@ -42,7 +42,7 @@ bool Repeats(const RepeatOptions& options, const MotionModel& motion_model, cons
     const Landmark& landmark = map.landmarks[first_landmark + waiting.features[k]];
     const Eigen::Vector3d x = predicted * landmark.position;
     if (landmark.valid && x.z() > 0)
-      motion.push_back({before.pixels[i], map.camera.pinhole.Project(x), waiting.pixels[k]});
+      motion.push_back({before.undistorted[i], map.camera.pinhole.Project(x), waiting.undistorted[k]});
   }
   return IsRepeated(options, {.since_measured = waiting.time - before.time, .interval = interval},
                     MedianMotion(motion));
@@ -127,16 +127,16 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   const RigidTransform world_from_first = place.predicted.first_from_world.inverse();
   for (std::size_t i = 0; i < first.features.size(); ++i) {
     map.landmarks.push_back({world_from_first * (unit * start.points[i]), start.has_point[i] != 0, {}});
-    AddObservation(map, added.keyframe, added.first_landmark + static_cast<int>(i), first.pixels[i]);
+    AddObservation(map, added.keyframe, added.first_landmark + static_cast<int>(i), first.undistorted[i]);
   }
   const auto reference = std::make_shared<const cv::Mat>(start.first_image);
   for (std::size_t i = 0; i < second.features.size(); ++i) {
     const int landmark = added.first_landmark + second.features[i];
-    AddObservation(map, added.keyframe + 1, landmark, second.pixels[i]);
+    AddObservation(map, added.keyframe + 1, landmark, second.undistorted[i]);
     added.tracks.push_back({.landmark = landmark,
                             .pixel = start.second_pixels[i],
-                            .undistorted = second.pixels[i],
-                            .in_keyframe = second.pixels[i],
+                            .undistorted = second.undistorted[i],
+                            .in_keyframe = second.undistorted[i],
                             .reference_image = reference,
                             .reference_pixel = start.first_pixels[second.features[i]],
                             .reference_keyframe = added.keyframe,

@@ -32,12 +32,13 @@ Start GoingAhead(double first_time, double speed, double depth) {
   start.map.first_image = cv::Mat::zeros(480, 640, CV_8UC1);
   for (int i = 0; i < kFrames; ++i) {
     const RigidTransform pose{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, -0.1 * speed * i)};
-    WaitingFrame frame{.frame = 20 + i, .time = first_time + 0.1 * i, .features = {}, .pixels = {}};
+    WaitingFrame frame{.frame = 20 + i, .time = first_time + 0.1 * i, .features = {}, .undistorted = {}};
     for (std::size_t k = 0; k < start.map.points.size(); ++k) {
       frame.features.push_back(static_cast<int>(k));
-      frame.pixels.push_back(kCamera.pinhole.Project(pose * start.map.points[k]));
-      if (i == 0) start.map.first_pixels.emplace_back(frame.pixels.back().x(), frame.pixels.back().y());
-      if (i == kFrames - 1) start.map.second_pixels.emplace_back(frame.pixels.back().x(), frame.pixels.back().y());
+      frame.undistorted.push_back(kCamera.pinhole.Project(pose * start.map.points[k]));
+      if (i == 0) start.map.first_pixels.emplace_back(frame.undistorted.back().x(), frame.undistorted.back().y());
+      if (i == kFrames - 1)
+        start.map.second_pixels.emplace_back(frame.undistorted.back().x(), frame.undistorted.back().y());
     }
     start.map.frames.push_back(frame);
     start.poses.push_back(pose);
@@ -88,7 +89,7 @@ TEST(MapStart, IsAddedWithItsUnit) {
 TEST(MapStart, FramesInBetweenAreLocated) {
   Start start = GoingAhead(5, 2, 10);
   // The third image is the second one once more.
-  start.map.frames[2].pixels = start.map.frames[1].pixels;
+  start.map.frames[2].undistorted = start.map.frames[1].undistorted;
   Map map = EmptyMap();
   const AddedStart added = AddStart(start.map, {}, map);
   MotionModel motion;
@@ -107,8 +108,8 @@ TEST(MapStart, FramesInBetweenAreLocated) {
 
 TEST(MapStart, APoseThatNoOneBelievesIsNoMotion) {
   Start start = GoingAhead(5, 2, 10);
-  for (std::size_t i = 0; i < start.map.frames[2].pixels.size(); ++i)
-    start.map.frames[2].pixels[i] += Eigen::Vector2d(i % 2 == 0 ? 40 : -40, i % 3 == 0 ? 30 : -30);
+  for (std::size_t i = 0; i < start.map.frames[2].undistorted.size(); ++i)
+    start.map.frames[2].undistorted[i] += Eigen::Vector2d(i % 2 == 0 ? 40 : -40, i % 3 == 0 ? 30 : -30);
   Map map = EmptyMap();
   const AddedStart added = AddStart(start.map, {}, map);
   MotionModel motion;

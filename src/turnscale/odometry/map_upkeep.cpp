@@ -88,7 +88,8 @@ AppliedReadjustment MapUpkeep::Apply(ReadjustmentResult result, Map& map) {
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
   return {.keyframes = {.first = first, .end = result.end, .final_before = last},
           .factors = std::move(factors),
-          .mount = std::move(result.mount)};
+          .mount = std::move(result.mount),
+          .failed = !result.window};
 }
 
 std::optional<std::vector<int>> MapUpkeep::ArchiveNextPart(Map& map) {

@@ -18,6 +18,7 @@ struct AppliedReadjustment {
   ReadjustedKeyframes keyframes;
   std::vector<double> factors;  ///< of lengths at keyframes `keyframes.first`...latest
   MountCalibration mount;       ///< has learned from the readjusted keyframes
+  bool failed = false;          ///< the keyframes are not adjusted, as the window contains NaN
 };
 
 /// Keeps the map accurate and small during a drive: adjusts its latest keyframes once more in a large window, in the

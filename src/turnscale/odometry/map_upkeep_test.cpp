@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_upkeep.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
@@ -35,12 +37,23 @@ TEST_F(Upkeep, AReadjustmentIsAppliedSomeKeyframesAfterItsTurn) {
   map.keyframes[39].camera_from_world.translation.x() += 0.05;
   const std::optional<AppliedReadjustment> applied = upkeep.ApplyIfDue(map);
   ASSERT_TRUE(applied);
+  EXPECT_FALSE(applied->failed);
   EXPECT_LT((Centre(map.keyframes[39]) - Centre(whole_.keyframes[39])).norm(), 0.02) << "it is back at its place";
   EXPECT_EQ(applied->keyframes.first, 40 - kUpkeepWindow);
   EXPECT_EQ(applied->keyframes.end, 40);
   EXPECT_EQ(static_cast<int>(applied->factors.size()), 46 - applied->keyframes.first);
   EXPECT_EQ(applied->mount.next_keyframe(), 40);
   EXPECT_FALSE(upkeep.ApplyIfDue(map)) << "once";
+}
+
+TEST_F(Upkeep, AWindowOfNoNumbersFails) {
+  MapUpkeep upkeep(options_);
+  Map map = MapOf(40);
+  map.keyframes[39].camera_from_world.translation.x() = std::nan("");
+  const AppliedReadjustment applied = upkeep.ReadjustNow(mount_, map);
+  EXPECT_TRUE(applied.failed);
+  EXPECT_EQ(applied.keyframes.end, 40) << "it is not tried again";
+  EXPECT_EQ(map.keyframes[38].camera_from_world.translation, whole_.keyframes[38].camera_from_world.translation);
 }
 
 TEST_F(Upkeep, WithoutATurnHalfAWindowIsReadjusted) {

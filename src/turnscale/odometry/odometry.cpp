@@ -36,9 +36,6 @@ constexpr int kUsualLandmarks = 1 << 17;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// Images that show the same for longer are those of a car that stands, however abruptly it stopped, seconds.
-constexpr double kLongestFreeze = 15;
-
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
@@ -61,6 +58,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       initializer_(std::in_place, options_, camera),
       tracker_(options_),
       motion_(options_.motion),
+      loss_(options_.tracking),
       upkeep_(options_),
       camera_refinement_(options_, camera),
       road_(options_.road),
@@ -76,22 +74,18 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   if (waits_for_map()) return Initialize(BuildFlowImage(options_.flow, gray), result);
   FlowImage image = CopyFlowImage(options_.flow, gray);
-  if (tracker_.ShowsSamePixels(image)) last_same_time_ = time;
+  if (tracker_.ShowsSamePixels(image)) loss_.AddSamePixels(time);
 
   const RigidTransform predicted = motion_.Predict(time);
   const ImageTiming timing = {.since_measured = time - motion_.last_measured_time(),
-                              .interval = time - last_seen_time_};
+                              .interval = time - loss_.last_seen_time()};
   if (tracker_.IsRepeat(map_, image, predicted, timing)) {
     result.state = TrackingState::kRepeated;
-    last_seen_time_ = time;
-    after_repeats_ = true;
+    loss_.AddRepeat(time);
     return MetricResult(result, predicted);
   }
   const TrackedFrame tracked = Track(image, predicted, result);
-  if (!tracked.camera_from_world) {
-    if (lost_frames_ == 0) first_lost_ = image.gray;
-    return Bridge(predicted, result);
-  }
+  if (!tracked.camera_from_world) return Bridge(predicted, result);
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
   const std::optional<MeasuredHeight> height = ExtendMap(image, result);
@@ -112,7 +106,6 @@ void Odometry::CheckImage(const cv::Mat& gray) {
   // Not every camera file has the image size; the first image that fits the mask has it.
   map_.camera.width = gray.cols;
   map_.camera.height = gray.rows;
-  ApplyMask();
   WaitForMap();
 }
 
@@ -123,12 +116,10 @@ void Odometry::SetMask(const cv::Mat& mask) {
   mask_.SetGiven(mask);
 }
 
-void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
-
 void Odometry::WaitForMap() {
   const bool is_known = mount().current().found || options_.vehicle.camera_known || !options_.vehicle.calibrate_camera;
   const auto rotation = is_known ? std::optional(mount().current().vehicle_from_camera) : std::nullopt;
-  initializer_.emplace(options_, map_.camera, mask_.pixels(), rotation);
+  initializer_.emplace(options_, map_.camera, rotation);
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
@@ -144,6 +135,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
   Ensure(!finished_, "no frame follows Finish");
   frame_counter_.Check(time);
   const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
+  loss_.AddUnreadable();
   return map_.keyframes.empty() ? result : Bridge(motion_.Predict(time), result);
 }
 
@@ -161,7 +153,7 @@ void Odometry::Finish() {
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
-  const std::optional<InitialMap> start = initializer_->Add(image, result.frame, result.time);
+  const std::optional<InitialMap> start = initializer_->Add(image, mask_.pixels(), result.frame, result.time);
   result.tracked = initializer_->tracked();
   if (map_.keyframes.empty())
     history_.AddWithoutPose(result);
@@ -182,7 +174,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   StartPlace place;
   place.after_gap = continues;
   if (continues) {
-    const GapImages images = {tracker_.latest_gray(), first_lost_, start.first_image};
+    const GapImages images = {tracker_.latest_gray(), loss_.first_lost(), start.first_image};
     place.predicted =
         PredictStart(motion_, start,
                      MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current()));
@@ -192,25 +184,25 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   tracker_.Start(image, added.tracks, start.CountPoints());
   mask_.LeaveOut(start.motion);
   start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
-  ApplyMask();
   initializer_.reset();
-  lost_frames_ = 0;
-  last_seen_time_ = start.frames.back().time;
+  loss_.AddTracked(start.frames.back().time);
   scale_.Add(map_);
   for (const LocatedFrame& frame : LocateWaitingFrames(options_, start, added, map_, motion_))
     MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 
 TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
-  TrackedFrame tracked = tracker_.Track(map_, image, motion_, predicted, result.time);
+  TrackedFrame tracked = tracker_.Track(map_, mask_.pixels(), image, motion_, predicted, result.time);
   result.tracked = tracked.tracked;
   result.inliers = tracked.inliers;
-  if (!tracked.camera_from_world) return tracked;
+  if (!tracked.camera_from_world) {
+    loss_.AddLost(image.gray);
+    return tracked;
+  }
   result.state = TrackingState::kTracked;
-  lost_frames_ = 0;
-  last_seen_time_ = result.time;
+  const bool after_repeats = loss_.AddTracked(result.time);
   ObserveMount(result, *tracked.camera_from_world);
-  motion_.Update(result.time, *tracked.camera_from_world, std::exchange(after_repeats_, false));
+  motion_.Update(result.time, *tracked.camera_from_world, after_repeats);
   return tracked;
 }
 
@@ -228,56 +220,40 @@ void Odometry::TakeJump(const std::optional<MountJump>& jump) {
 }
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
-  const bool is_unreadable = result.state == TrackingState::kUnreadable;
-  if (!is_unreadable) result.state = TrackingState::kBridged;
-  const TrackingOptions& limits = options_.tracking;
-  const bool has_map = !waits_for_map();
-  const bool stood = has_map && tracker_.HasStood();
-  // Without an image the map is no more lost than where images are missing.
-  if (has_map && !is_unreadable) ++lost_frames_;
-  after_repeats_ = false;
-  const std::optional<double> frozen_since = has_map ? FrozenSince(result.time) : std::nullopt;
-  // Where not a single pixel changed, it is not the scene that is hidden.
-  const bool is_same_image = frozen_since && last_same_time_ > *frozen_since;
-  const double patience = stood && !is_same_image ? limits.max_hidden_seconds : limits.max_lost_seconds;
-  const bool gives_up =
-      has_map && lost_frames_ >= limits.min_lost_frames && result.time - motion_.last_measured_time() > patience;
-  if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
+  if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
+  if (waits_for_map()) return MetricResult(result, predicted);
+  const bool stood = tracker_.HasStood();
+  if (!loss_.GivesUp(motion_, stood, result.time)) return MetricResult(result, stood ? motion_.last() : predicted);
+  GiveUpMap(result.time);
+  return MetricResult(result, motion_.Predict(result.time));
+}
+
+void Odometry::GiveUpMap(double time) {
   // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
   TakeJump(mount_jumps_.End());
   Readjust();
   // The view does not come back: images that repeated the last one, or stood still, were frozen while the car drove on.
+  const std::optional<double> frozen_since = FrozenSince(motion_, time);
   history_.ForgetMeasured(frozen_since.value_or(motion_.last_measured_time()));
   if (frozen_since) {
     motion_.GoOn();
-  } else if (stood) {
+  } else if (tracker_.HasStood()) {
     // The noise of standing is no motion.
     motion_.Stop();
   }
-  const RigidTransform last = motion_.Predict(result.time);
   WaitForMap();
-  return MetricResult(result, last);
 }
 
 void Odometry::ForgetFrozenEnd() {
-  constexpr double kLeastSeconds = 1;
-  const double end = frame_counter_.last_frame_time();
-  const std::optional<double> frozen_since = waits_for_map() ? std::nullopt : FrozenSince(end);
-  const double since = frozen_since.value_or(motion_.last_measured_time());
-  if ((after_repeats_ || frozen_since) && end - since > kLeastSeconds) history_.ForgetMeasured(since);
-}
-
-std::optional<double> Odometry::FrozenSince(double time) const {
-  const std::optional<double> stopped = motion_.StoppedAtOnce();
-  return stopped && time - *stopped < kLongestFreeze ? stopped : std::nullopt;
+  if (waits_for_map()) return;
+  if (const auto since = loss_.FrozenAtEnd(motion_, frame_counter_.last_frame_time())) history_.ForgetMeasured(*since);
 }
 
 void Odometry::AddKeyframe(const FrameResult& result) {
   const RigidTransform camera_from_world = motion_.last();
   const int keyframe = CountKeyframes(map_);
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
-  ApplyMask();
   map_.keyframes.push_back(
       {.frame = result.frame, .time = result.time, .camera_from_world = camera_from_world, .observations = {}});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
@@ -285,6 +261,7 @@ void Odometry::AddKeyframe(const FrameResult& result) {
     start_in_doubt_.reset();
   TriangulateLandmarks(options_.landmarks, LandmarksOfScene(), map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
+  failed_adjustments_ += adjusted.failed ? 1 : 0;
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   upkeep_.JudgeUnits(map_);
   mount_jumps_.CorrectLast(camera_from_world * map_.keyframes.back().camera_from_world.inverse());
@@ -316,7 +293,7 @@ std::optional<MeasuredHeight> Odometry::ExtendMap(const FlowImage& image, FrameR
   result.keyframe = true;
   // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
-  tracker_.Replenish(image, corners.get(), map_);
+  tracker_.Replenish(image, mask_.pixels(), corners.get(), map_);
   return height.get();
 }
 
@@ -344,6 +321,7 @@ void Odometry::ApplyBackgroundWork() {
 }
 
 void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransform& last_from_keyframe) {
+  failed_adjustments_ += applied.failed ? 1 : 0;
   FollowMap(applied.keyframes.first, applied.factors, last_from_keyframe);
   scale_.Reread(map_, std::move(applied.mount), applied.keyframes);
 }
@@ -351,8 +329,8 @@ void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransf
 void Odometry::CorrectLens(double radial_correction) {
   const double before = map_.camera.radial_correction;
   turnscale::CorrectLens(map_, radial_correction);
-  tracker_.Correct([&](const Eigen::Vector2d& pixel) {
-    return ChangeRadialCorrection(map_.camera.pinhole, before, radial_correction, pixel);
+  tracker_.Correct([&](const Eigen::Vector2d& undistorted) {
+    return ChangeRadialCorrection(map_.camera.pinhole, before, radial_correction, undistorted);
   });
 }
 
@@ -369,7 +347,7 @@ void Odometry::AdjustWholeDrive() {
   // less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
-  AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
+  failed_adjustments_ += AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -26,6 +25,7 @@
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
+#include "turnscale/odometry/tracking_loss.h"
 
 namespace turnscale {
 
@@ -94,6 +94,8 @@ class Odometry {
   LensRefinement lens() const { return camera_refinement_.lens(); }
   /// The consistency test of the given calibration.
   CalibrationCheck calibration_check() const { return camera_refinement_.calibration_check(); }
+  /// Adjustments of the map that failed, as a position was no number: there, the map stayed as it was.
+  int failed_adjustments() const { return failed_adjustments_; }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
   /// The images are upside down, by the road that they show: left and right are exchanged in the path.
@@ -103,7 +105,6 @@ class Odometry {
 
  private:
   void CheckImage(const cv::Mat& gray);
-  void ApplyMask();
   /// There is no map to track against: none yet, or tracking has been lost for so long that another one is needed.
   bool waits_for_map() const { return initializer_.has_value(); }
   void WaitForMap();
@@ -117,10 +118,9 @@ class Odometry {
   /// Passes on a jump of the camera, if there is one.
   void TakeJump(const std::optional<MountJump>& jump);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
-  /// Since when the images have shown the same, seconds, although the car has driven on: it cannot have stopped like
-  /// that. Empty if they have not, or for so long that the car stands after all.
-  std::optional<double> FrozenSince(double time) const;
-  /// The same at the end of the drive, where no view comes back: what the car did is not known.
+  /// The map is not found again: waits for another one, which goes on from the motion so far.
+  void GiveUpMap(double time);
+  /// Where the drive ends with a frozen view, what the car did is not known.
   void ForgetFrozenEnd();
 
   /// The latest frame becomes a keyframe.
@@ -165,6 +165,7 @@ class Odometry {
   std::optional<MapInitializer> initializer_;  ///< while there is no map to track against
   FrameTracker tracker_;
   MotionModel motion_;
+  TrackingLoss loss_;
   MountJumpDetector mount_jumps_;
   Map map_;
   MapUpkeep upkeep_;
@@ -173,14 +174,9 @@ class Odometry {
   DriveScale scale_;
   FrameHistory history_;
 
-  double last_seen_time_ = 0;   ///< of the last frame that was tracked or repeated, seconds
-  int lost_frames_ = 0;         ///< consecutive, up to now
-  cv::Mat first_lost_;          ///< gray image, the first that was not tracked since the last that was
-  bool after_repeats_ = false;  ///< images since the last tracked one repeat it
-  /// Of the latest image with the pixels of the last tracked one, seconds.
-  double last_same_time_ = -std::numeric_limits<double>::infinity();
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
+  int failed_adjustments_ = 0;
   bool finished_ = false;
   std::optional<RefinedScale> refined_;  ///< once the drive is over
 };

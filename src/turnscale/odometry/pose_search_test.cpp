@@ -157,7 +157,7 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   const RigidTransform truth = Pose(0.25, 2);
   FlowImage image = Seen(truth);
   const TrackedFrame frame =
-      tracker.Track(map_, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, {}, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
   size_t in_sight = 0;
@@ -173,7 +173,7 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
   const RigidTransform truth = Pose(0.1, 3);
   FlowImage image = Seen(truth);
   const TrackedFrame frame =
-      tracker.Track(map_, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, {}, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
 }

@@ -99,6 +99,7 @@ struct DriveFacts {
   std::vector<int> repeated;                    ///< frames that were taken for repeated images online, ascending
   SeenImages seen;                              ///< the images before the map
   std::vector<MapRestart> restarts;
+  int failed_adjustments = 0;  ///< of the map (Odometry::failed_adjustments)
   /// Time of the first online pose in metres, seconds, where the online path jumps; empty if there is none.
   std::optional<double> live_metric_from;
 

@@ -145,6 +145,7 @@ DriveFacts DriveRecorder::Facts(const RunInput& given, const RunEnding& ending, 
           .repeated = repeated_,
           .seen = seen_,
           .restarts = RestartsOf(odometry_.map()),
+          .failed_adjustments = odometry_.failed_adjustments(),
           .live_metric_from = live_metric_from_};
 }
 

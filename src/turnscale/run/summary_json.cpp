@@ -208,6 +208,7 @@ std::string SummaryJson(const RunSummary& summary) {
         {"unreadable", drive.images.unreadable.size()},
         {"keyframes", frames.keyframes}}},
       {"unreadable", unreadable},
+      {"failed_adjustments", drive.failed_adjustments},
       {"missing", MissingJson(summary.path, drive.restarts, scale.is_metric())},
       {"distance_m", scale.is_metric() ? Json(summary.path.distance) : Json(nullptr)},
       {"distance_units", scale.is_metric() ? Json(nullptr) : Json(summary.path.distance)},

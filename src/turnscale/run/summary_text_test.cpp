@@ -320,6 +320,12 @@ TEST(SummaryText, SaysHowMuchOfThePathIsNotMeasured) {
   EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["missing"]["distance_m"], 101);
 }
 
+TEST(SummaryText, CountsTheAdjustmentsThatFailed) {
+  RunSummary summary;
+  summary.drive.failed_adjustments = 2;
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["failed_adjustments"], 2);
+}
+
 TEST(SummaryText, SaysWhichCameraRotationIsUsed) {
   RunSummary summary;
   summary.drive.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3 / kDegreesPerRadian, 0, 0});
