@@ -19,12 +19,11 @@ Cell CellOf(const Pinhole& pinhole, const Eigen::Vector2d& pixel) {
   return {std::lround(pixel.x() / size), std::lround(pixel.y() / size)};
 }
 
-// What lies in a cell.
+// Numbers of pixels in a cell.
 struct Content {
-  int pixels = 0;
+  int all = 0;
   int counted = 0;
-
-  bool IsCounted() const { return 2 * counted > pixels; }
+  int of_rows = 0;
 };
 
 }  // namespace
@@ -42,26 +41,28 @@ std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen:
 }
 
 double ShareOfCells(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
-                    const std::vector<char>& is_counted) {
+                    const std::vector<char>& is_counted, const std::vector<char>& is_of_rows) {
   constexpr double kEdge = 0.1;
   std::map<Cell, Content> cells;
   for (size_t i = 0; i < pixels.size(); ++i) {
     Content& content = cells[CellOf(pinhole, pixels[i])];
-    ++content.pixels;
+    ++content.all;
     content.counted += is_counted[i] != 0 ? 1 : 0;
+    content.of_rows += is_of_rows[i] != 0 ? 1 : 0;
   }
   std::vector<double> rows;
   for (const auto& [cell, content] : cells)
-    if (content.IsCounted()) rows.push_back(static_cast<double>(cell.second));
+    if (2 * content.of_rows > content.all) rows.push_back(static_cast<double>(cell.second));
   if (rows.empty()) return 0;
   const double top = Quantile(rows, kEdge);
   const double bottom = Quantile(rows, 1 - kEdge);
   int all = 0;
   int counted = 0;
   for (const auto& [cell, content] : cells) {
-    if (static_cast<double>(cell.second) < top || static_cast<double>(cell.second) > bottom) continue;
+    const auto row = static_cast<double>(cell.second);
+    if (row < top || row > bottom) continue;
     ++all;
-    counted += content.IsCounted() ? 1 : 0;
+    counted += 2 * content.counted > content.all ? 1 : 0;
   }
   return static_cast<double>(counted) / all;
 }

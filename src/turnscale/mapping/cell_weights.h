@@ -15,9 +15,11 @@ namespace turnscale {
 /// the scene come and go: by their number, they would dominate the pose.
 std::vector<double> CellWeights(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels, double most);
 
-/// Share of the cells (those of CellWeights) in which most pixels are counted (one flag per undistorted pixel), of the
-/// cells with pixels in the same rows: neither a crowd nor a dashboard below decides. 0 if there is no such cell.
+/// Share of the cells (those of CellWeights) in which most pixels are counted, however many there are in a cell. The
+/// cells that are compared have pixels, and are in the rows (from the 10th to the 90th percentile) of cells in which
+/// most pixels are of the second kind: what is seen above and below does not count. One flag per undistorted pixel. 0
+/// if there is no such row.
 double ShareOfCells(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
-                    const std::vector<char>& is_counted);
+                    const std::vector<char>& is_counted, const std::vector<char>& is_of_rows);
 
 }  // namespace turnscale

@@ -34,20 +34,22 @@ TEST(CellWeights, ShareOfCellsDoesNotDependOnHowManyPixelsThereAre) {
       is_in_middle.push_back(is_in_crowd ? 1 : 0);
     }
   }
-  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_in_middle), 11.0 / 40, 0.05);
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_in_middle, is_in_middle), 11.0 / 40, 0.05);
   // One of a crowd counts for nothing.
   std::vector<char> is_beside = is_in_middle;
   for (char& each : is_beside) each = each == 0 ? 1 : 0;
   *std::ranges::find(is_beside, 0) = 1;
-  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside), 29.0 / 40, 0.05);
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside, is_beside), 29.0 / 40, 0.05);
   // So does a dashboard below.
   for (int column = 0; column < 600; column += 15) {
     pixels.emplace_back(column, 300);
     is_beside.push_back(0);
   }
-  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside), 29.0 / 40, 0.05);
-  EXPECT_EQ(ShareOfCells(pinhole, pixels, std::vector<char>(pixels.size(), 0)), 0);
-  EXPECT_EQ(ShareOfCells(pinhole, {}, {}), 0);
+  EXPECT_NEAR(ShareOfCells(pinhole, pixels, is_beside, is_beside), 29.0 / 40, 0.05);
+  const std::vector<char> none(pixels.size(), 0);
+  EXPECT_EQ(ShareOfCells(pinhole, pixels, none, none), 0);
+  EXPECT_EQ(ShareOfCells(pinhole, pixels, none, is_beside), 0);
+  EXPECT_EQ(ShareOfCells(pinhole, {}, {}, {}), 0);
 }
 
 }  // namespace

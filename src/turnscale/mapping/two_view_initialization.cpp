@@ -13,6 +13,7 @@
 #include "turnscale/mapping/cell_weights.h"
 #include "turnscale/mapping/essential_motion.h"
 #include "turnscale/mapping/landmarks.h"
+#include "turnscale/mapping/left_out.h"
 
 namespace turnscale {
 namespace {
@@ -76,22 +77,6 @@ bool AgreeEnough(const TwoViewOptions& options, int agreeing, size_t matches) {
 
 using Pixels = std::vector<Eigen::Vector2d>;
 
-template <typename T>
-std::vector<T> Without(const std::vector<char>& left_out, const std::vector<T>& all) {
-  std::vector<T> kept;
-  for (size_t i = 0; i < all.size(); ++i)
-    if (left_out[i] == 0) kept.push_back(all[i]);
-  return kept;
-}
-
-// Flags of all from those without the ones left out, which get 0.
-std::vector<char> FlagsOfAll(const std::vector<char>& left_out, const std::vector<char>& kept) {
-  std::vector<char> flags(left_out.size(), 0);
-  for (size_t i = 0, k = 0; i < left_out.size(); ++i)
-    if (left_out[i] == 0) flags[i] = kept[k++];
-  return flags;
-}
-
 // Matches that share a motion, and how many others there are that share another.
 struct CommonMotion {
   EssentialMotion motion;
@@ -99,8 +84,8 @@ struct CommonMotion {
 };
 
 // The motion of most matches, unless those near enough for a depth have too few cells of the image, and the others
-// share another motion: then the one that has more cells, if these are enough, as a vehicle ahead may have most of the
-// matches.
+// share another motion: a vehicle ahead may have most of the matches. Then the motion with most cells, if it clearly
+// has.
 CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinhole, const Pixels& first,
                              const Pixels& second) {
   CommonMotion most{.motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error)};
@@ -114,15 +99,21 @@ CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinho
   if (rest.motion.agrees.empty() || !AgreeEnough(options, Count(rest.motion.agrees), others)) return most;
   // Where most of the scene is far away, the others have the same motion.
   if (AgreeEnough(options, Count(most.motion.agrees) - Count(of_most), others)) return most;
-  rest.motion.agrees = FlagsOfAll(of_most, rest.motion.agrees);
-  rest.motion.inlier = FlagsOfAll(of_most, rest.motion.inlier);
-  const bool rest_is_larger =
-      ShareOfCells(pinhole, second, rest.motion.inlier) > ShareOfCells(pinhole, second, of_most);
-  CommonMotion& larger = rest_is_larger ? rest : most;
-  const std::vector<char>& smaller = rest_is_larger ? of_most : rest.motion.inlier;
-  if (!IsScene(options, pinhole, Without(smaller, second), Without(smaller, larger.motion.inlier))) return {};
-  larger.set_aside = Count(smaller);
-  return larger;
+  rest.motion.agrees = OfAll(of_most, rest.motion.agrees, char{0});
+  rest.motion.inlier = OfAll(of_most, rest.motion.inlier, char{0});
+  std::vector<char> of_either = of_most;
+  for (size_t i = 0; i < of_either.size(); ++i) of_either[i] |= rest.motion.inlier[i];
+  const double share_of_most = ShareOfCells(pinhole, second, of_most, of_either);
+  const double share_of_rest = ShareOfCells(pinhole, second, rest.motion.inlier, of_either);
+  // The motion of fewer matches has to have clearly more cells.
+  constexpr double kClearly = 1.25;
+  const bool is_rest = share_of_rest > kClearly * share_of_most;
+  if (!is_rest && share_of_rest > share_of_most) return {};
+  const double least = options.min_cell_share * (1 - std::min(share_of_most, share_of_rest));
+  if (std::max(share_of_most, share_of_rest) < least) return {};
+  most.set_aside = Count(rest.motion.inlier);
+  rest.set_aside = Count(of_most);
+  return is_rest ? rest : most;
 }
 
 // Takes the motion and the landmarks, and returns how many landmarks there are. The baseline defines the unit.
@@ -169,7 +160,7 @@ void TwoViewOptions::Check() const {
 
 bool IsScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels,
              const std::vector<char>& is_counted) {
-  return ShareOfCells(pinhole, pixels, is_counted) >= options.min_cell_share;
+  return ShareOfCells(pinhole, pixels, is_counted, is_counted) >= options.min_cell_share;
 }
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,

@@ -34,8 +34,8 @@ struct TwoViewOptions {
   int fewest_landmarks = 40;
   /// Share of the matches that have to agree with the motion found.
   double min_inlier_share = 0.6;
-  /// Share of the image's cells in which most matches agree with the motion (ShareOfCells), below which they may be
-  /// those of a vehicle ahead, if the other matches share a motion, too.
+  /// What moves as one has to have this share of the cells of the image in its rows (ShareOfCells), or it may be a
+  /// vehicle ahead. It counts where other matches share another motion, or stand still while it moves back.
   double min_cell_share = 0.6;
   /// Angle under which a landmark has to be seen by both views, degrees.
   double min_landmark_parallax_deg = 0.6;
@@ -64,10 +64,10 @@ bool IsScene(const TwoViewOptions& options, const Pinhole& pinhole, const std::v
              const std::vector<char>& is_counted);
 
 /// Relative pose and first landmarks from matched undistorted pixels of two views: five-point essential matrix with
-/// RANSAC, the one of its four motions that puts points in front of both cameras, two-view bundle adjustment. Where
-/// those that agree have too few cells of the image, and the others share another motion, that is taken if these have
-/// enough. Says why not where the views do not suffice. `gone`: how many features of the first view have been seen
-/// after it, but not in the second view.
+/// RANSAC, the one of its four motions that puts points in front of both cameras, two-view bundle adjustment. Where two
+/// groups of matches move differently, the motion is that of the group with more cells of the image (min_cell_share).
+/// Says why not where the views do not suffice. `gone`: how many features of the first view have been seen after it,
+/// but not in the second view.
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
                                      const std::vector<Eigen::Vector2d>& first,
                                      const std::vector<Eigen::Vector2d>& second, int gone = 0);

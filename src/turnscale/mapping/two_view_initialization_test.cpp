@@ -81,6 +81,31 @@ TEST(TwoViewInitialization, AVehicleAheadIsNotTheScene) {
   EXPECT_GT(cosine, std::cos(1 / kDegreesPerRadian));
 }
 
+TEST(TwoViewInitialization, AWideVehicleBelowIsNeverTheScene) {
+  // It fills the lower part of the image over all its width, with half as many matches as the scene.
+  const RigidTransform truth{Eigen::Quaterniond::Identity(), {0, 0, -1.5}};
+  for (const double top : {150.0, 180.0, 210.0}) {
+    Views views = MakeViews(truth, 0.3, 1);
+    const Views vehicle = MakeViews({Eigen::Quaterniond::Identity(), {-1.5, 0.1, 1.0}}, 0.3, 2);
+    Views seen;
+    for (int round = 0; round < 3; ++round)
+      for (size_t i = 0; i < views.first.size(); ++i)
+        if (views.first[i].y() < top) {
+          const Eigen::Vector2d shift(0.3 * round, 0.1 * round);
+          seen.first.emplace_back(views.first[i] + shift);
+          seen.second.emplace_back(views.second[i] + shift);
+        }
+    for (size_t i = 0; i < vehicle.first.size(); ++i)
+      if (vehicle.first[i].y() > top) {
+        seen.first.push_back(vehicle.first[i]);
+        seen.second.push_back(vehicle.second[i]);
+      }
+    const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, seen.first, seen.second);
+    if (result.status == TwoViewStatus::kInitialized)
+      EXPECT_LT(result.second_from_first.translation.normalized().z(), -0.95) << top;
+  }
+}
+
 TEST(TwoViewInitialization, NoticesStandstill) {
   const Views views = MakeViews({}, 0.3, 2);
   const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);

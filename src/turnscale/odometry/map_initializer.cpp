@@ -8,6 +8,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/mapping/essential_motion.h"
+#include "turnscale/mapping/left_out.h"
 
 namespace turnscale {
 namespace {
@@ -146,16 +147,10 @@ TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) co
   const int gone = static_cast<int>(frames_[1].features.size() - frames_.back().features.size());
   TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second, gone);
   if (views.status != TwoViewStatus::kInitialized) return views;
-  const auto of_all = [&]<typename T>(const std::vector<T>& kept, const T& nothing) {
-    std::vector<T> all(left_out.size(), nothing);
-    for (size_t i = 0, k = 0; i < left_out.size(); ++i)
-      if (left_out[i] == 0) all[i] = kept[k++];
-    return all;
-  };
-  views.essential.agrees = of_all(views.essential.agrees, char{0});
-  views.essential.inlier = of_all(views.essential.inlier, char{0});
-  views.triangulated = of_all(views.triangulated, char{0});
-  views.points = of_all(views.points, Eigen::Vector3d(0, 0, 0));
+  views.essential.agrees = OfAll(left_out, views.essential.agrees, char{0});
+  views.essential.inlier = OfAll(left_out, views.essential.inlier, char{0});
+  views.triangulated = OfAll(left_out, views.triangulated, char{0});
+  views.points = OfAll(left_out, views.points, Eigen::Vector3d(0, 0, 0));
   return views;
 }
 
@@ -175,10 +170,12 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const Eigen::Quaterniond vehicle_from_camera = vehicle_from_camera_.value_or(Eigen::Quaterniond::Identity());
   std::vector<char> has_moved = still;
   for (char& flag : has_moved) flag = flag == 0 ? 1 : 0;
-  // Of a car that waits, only the vehicle ahead moves.
-  if (!IsScene(options_.initialization, camera_.pinhole, frames_.back().undistorted, has_moved))
-    return {{.status = TwoViewStatus::kStandstill}, none, true};
   const TwoViewResult moving = MatchWithout(still);
+  const bool is_ahead = moving.status == TwoViewStatus::kInitialized &&
+                        (vehicle_from_camera * moving.second_from_first.inverse().translation).z() > 0;
+  // A vehicle that leaves before a car that waits has few cells, and looks like a scene before a car that reverses.
+  if (!is_ahead && !IsScene(options_.initialization, camera_.pinhole, frames_.back().undistorted, has_moved))
+    return {{.status = TwoViewStatus::kStandstill}, none, true};
   const bool drives =
       moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first, vehicle_from_camera);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};

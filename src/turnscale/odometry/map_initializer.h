@@ -44,7 +44,8 @@ struct InitialMap {
 /// Collects views until two of them give a map: follows the first view's features from image to image, waits through
 /// standstill, pure rotation and low parallax, and takes a new first view when too few features are left. Where a good
 /// part of the features moves as a scene does before a car that drives, those that stand still in the image, but would
-/// have to move if they belonged to it, are left out.
+/// have to move if they belonged to it, are left out. What seems to move back beside them, in too few cells of the
+/// image, is a vehicle that leaves before a car that waits, and no start.
 class MapInitializer {
  public:
   /// Where `vehicle_from_camera` is known, what moves sideways is no start, nor what may be the side of a vehicle that

@@ -115,6 +115,29 @@ TEST(MapInitializer, ADashboardIsNoneOfTheScene) {
   EXPECT_GT(still, 50);
 }
 
+TEST(MapInitializer, WhatStandsStillAtTheSidesIsNoneOfTheScene) {
+  // The pillars of the car cover half of the image, in the rows of the scene.
+  const Boards boards(1);
+  const SyntheticTexture texture(77, 8, 60);
+  MapInitializer initializer({}, SmallCamera());
+  std::optional<InitialMap> map;
+  int last = -1;
+  while (!map && last < 14) {
+    ++last;
+    cv::Mat image = boards.Seen(SmallCamera(), Moved(last));
+    const cv::Mat pillar = MakeImage(image.size(), [&](const Eigen::Vector2d& pixel) { return texture.At(pixel); });
+    for (const cv::Range& columns : {cv::Range(0, 120), cv::Range(360, 480)})
+      pillar.colRange(columns).copyTo(image.colRange(columns));
+    map = initializer.Add(BuildFlowImage({}, image), {}, last, 0.1 * last);
+  }
+  ASSERT_TRUE(map);
+  for (size_t i = 0; i < map->has_point.size(); ++i) {
+    if (map->has_point[i] != 0) {
+      EXPECT_NEAR(map->frames.front().undistorted[i].x(), 240, 128);
+    }
+  }
+}
+
 TEST(MapInitializer, WhatPassesBeforeAStandingCameraIsNoStart) {
   // A wall that moves to the right covers a good part of the image.
   const Boards boards(5);

@@ -94,7 +94,8 @@ class Odometry {
   LensRefinement lens() const { return camera_refinement_.lens(); }
   /// The consistency test of the given calibration.
   CalibrationCheck calibration_check() const { return camera_refinement_.calibration_check(); }
-  /// Adjustments of the map that failed, as a position was no number: there, the map stayed as it was.
+  /// Adjustments of the map after a keyframe, in the background, and of sections at the end that failed, as a position
+  /// was no number: there, the map stayed as it was.
   int failed_adjustments() const { return failed_adjustments_; }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;

@@ -189,7 +189,7 @@ std::string MostlyMissingWarning(const PathSummary& path) {
   if (!(path.missing_distance > kMost * path.distance)) return "";
   return fmt::format(
       "{:.0f} % of the length of the path is not measured, but follows from the motion before and after: it is a guess "
-      "there; missing in the summary says where",
+      "there; \"missing\" in summary.json says where",
       100 * path.missing_distance / path.distance);
 }
 
