@@ -185,7 +185,9 @@ TEST_F(ErrorsTest, ADriveWithoutItsFirstClipIsIncomplete) {
                                            (Drive() / "calib.txt").string(), "--out", Out().string(), "--quiet"},
                                           folder_);
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(result.err, "warning: " + first.string() + ": is not a video, or is damaged; the clip is left out\n");
+  EXPECT_EQ(result.err, "warning: " + first.string() +
+                            ": is not a video, or is damaged; the clip is left out: the beginning of the drive is "
+                            "missing, and times count from 2.avi\n");
   EXPECT_FALSE(Summary()["complete"].get<bool>());
   EXPECT_EQ(Summary()["stopped"], "1.avi: cannot be decoded: the beginning of the drive is missing");
 }

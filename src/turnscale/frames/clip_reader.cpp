@@ -109,7 +109,6 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
       if (!video_) video_ = std::move(video);
     } catch (const UnreadableVideo& error) {
       failures.push_back({clip, clips_.size(), error.what()});
-      left_out_.push_back(std::string(error.what()) + "; the clip is left out");
       continue;
     }
     clips_.push_back(clip);
@@ -117,6 +116,10 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   if (!failures.empty() && clips_.empty()) throw InputError(failures.front().problem);
   if (options_.timed) recorded_.emplace(clips_, headers_);
   for (const Failure& failure : failures) {
+    left_out_.push_back(failure.problem + "; the clip is left out");
+    if (failure.clip == 0)
+      left_out_.back() += fmt::format(": the beginning of the drive is missing, and times count from {}",
+                                      clips_.front().filename().string());
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
     if (failure.clip == 0 && missing_beginning_.empty()) missing_beginning_ = failure.path;
     if (failure.clip == clips_.size() && missing_end_.empty()) missing_end_ = failure.path;

@@ -101,8 +101,9 @@ TEST(TwoViewInitialization, AWideVehicleBelowIsNeverTheScene) {
         seen.second.push_back(vehicle.second[i]);
       }
     const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, seen.first, seen.second);
-    if (result.status == TwoViewStatus::kInitialized)
+    if (result.status == TwoViewStatus::kInitialized) {
       EXPECT_LT(result.second_from_first.translation.normalized().z(), -0.95) << top;
+    }
   }
 }
 

@@ -174,8 +174,11 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const bool is_ahead = moving.status == TwoViewStatus::kInitialized &&
                         (vehicle_from_camera * moving.second_from_first.inverse().translation).z() > 0;
   // A vehicle that leaves before a car that waits has few cells, and looks like a scene before a car that reverses.
-  if (!is_ahead && !IsScene(options_.initialization, camera_.pinhole, frames_.back().undistorted, has_moved))
-    return {{.status = TwoViewStatus::kStandstill}, none, true};
+  if (!is_ahead && !IsScene(options_.initialization, camera_.pinhole, frames_.back().undistorted, has_moved)) {
+    TwoViewResult stands;
+    stands.status = TwoViewStatus::kStandstill;
+    return {stands, none, true};
+  }
   const bool drives =
       moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first, vehicle_from_camera);
   if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
