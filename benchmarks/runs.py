@@ -53,6 +53,12 @@ def read_yaml(path):
     return values
 
 
+def height_of(drive):
+    """Of a recorded drive's camera above the road, metres."""
+    about = drive / "vehicle.yaml"
+    return float(read_yaml(about)["camera_height_m"]) if about.is_file() else KITTI_HEIGHT
+
+
 def times_of(drive):
     """Of its images, seconds."""
     return [float(line) for line in (drive / "times.txt").read_text().split()]

@@ -84,8 +84,8 @@ struct CommonMotion {
 };
 
 // The motion of most matches, unless those near enough for a depth have too few cells of the image, and the others
-// share another motion: a vehicle ahead may have most of the matches. Then the motion with most cells, if it clearly
-// has.
+// share another motion: a vehicle ahead may have most of the matches. Then the motion with more cells, if they are
+// enough; none where cells and matches contradict each other.
 CommonMotion FindSceneMotion(const TwoViewOptions& options, const Pinhole& pinhole, const Pixels& first,
                              const Pixels& second) {
   CommonMotion most{.motion = FindEssentialMotion(pinhole, first, second, options.max_epipolar_error)};
