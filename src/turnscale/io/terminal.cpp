@@ -104,6 +104,7 @@ Progress::Progress(int frames, bool quiet, std::string unit)
 
 void Progress::Update(int frames_done, const std::string& more) {
   if (quiet_) return;
+  if (frames_done > frames_) frames_ = 0;
   const Clock::time_point now = Clock::now();
   const int tenths = frames_ > 0 ? static_cast<int>(static_cast<int64_t>(frames_done) * 10 / frames_) : 0;
   const bool due = on_terminal_ ? now - shown_ >= kTerminalInterval || frames_done == frames_

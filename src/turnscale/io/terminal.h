@@ -36,8 +36,8 @@ int Report(const Failure& failure);
 /// now and then. What it shows depends on the clock; nothing else does.
 class Progress {
  public:
-  /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings. `unit` is what is
-  /// counted.
+  /// `frames` is how many are expected, 0 where that is not known; with more, it is no longer shown. Quiet leaves only
+  /// warnings. `unit` is what is counted.
   Progress(int frames, bool quiet, std::string unit = "frame");
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

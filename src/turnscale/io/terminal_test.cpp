@@ -116,6 +116,18 @@ TEST(Progress, TheLineEndsWhenARunFails) {
   EXPECT_TRUE(shown.ends_with("scale pending\r\nfailed")) << shown;
 }
 
+TEST(Progress, ATotalThatIsExceededIsNoLongerShown) {
+  const Terminal terminal;
+  Progress progress(3, false);
+  progress.Update(3);
+  EXPECT_NE(terminal.ShownUpTo("frames/s").find("frame 3/3"), std::string::npos);
+  progress.Update(4);
+  progress.Finish();
+  std::fprintf(stderr, "over");
+  const std::string shown = terminal.ShownUpTo("over");
+  EXPECT_EQ(shown.find("/3"), std::string::npos) << shown;
+}
+
 TEST(Progress, WhatFollowsTheFramesIsShownWhileItLasts) {
   const Terminal terminal;
   Progress progress(3, false);
