@@ -2,9 +2,11 @@
 #include "turnscale/run/missing_path.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "turnscale/base/quantiles.h"
 #include "turnscale/frames/frame_reader.h"
 
 namespace turnscale {
@@ -12,9 +14,19 @@ namespace {
 
 bool IsTracked(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
 
+// Between frames that follow one another without a gap, seconds.
+double UsualInterval(const std::vector<FrameResult>& frames) {
+  std::vector<double> intervals;
+  for (size_t i = 1; i < frames.size(); ++i)
+    if (const double interval = frames[i].time - frames[i - 1].time; interval <= kLeastGap)
+      intervals.push_back(interval);
+  return intervals.empty() ? 0 : Median(std::move(intervals));
+}
+
 }  // namespace
 
 std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames) {
+  const double interval = UsualInterval(frames);
   std::vector<MissingPart> parts;
   bool open = false;
   bool begun = false;
@@ -24,7 +36,7 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     if (open) parts.back().to = after_gap ? frames[i - 1].time : frame.time;
     // A duplicate shows what its neighbours measure.
     const bool lost = !IsTracked(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
-    if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
+    if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time + interval, frame.time, 0});
     open = open && !after_gap;
     const bool unreadable = frame.state == TrackingState::kUnreadable;
     if (lost && !open)
@@ -98,10 +110,9 @@ double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& f
 }
 
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
-  const double middle = 0.5 * (from + to);
-  const auto part = std::partition_point(parts.begin(), parts.end(),
-                                         [&](const MissingPart& earlier) { return earlier.to <= middle; });
-  return part != parts.end() && middle > part->from;
+  const auto part =
+      std::partition_point(parts.begin(), parts.end(), [&](const MissingPart& earlier) { return earlier.to <= from; });
+  return part != parts.end() && part->from < to;
 }
 
 const char* MissingReasonName(MissingReason reason) {

@@ -21,8 +21,8 @@ enum class MissingReason {
 /// A part of the drive in which the path is not measured.
 struct MissingPart {
   MissingReason reason = MissingReason::kLost;
-  double from = 0;  ///< time of the first frame without a measured pose, seconds; where there are no images, of the
-                    ///< last frame before
+  double from = 0;  ///< time of the first frame without a measured pose, seconds; where there are no images, when the
+                    ///< first of them would have come
   double to = 0;    ///< time of the next frame with a measured pose; at the end of the drive that of the last frame
   int frames = 0;   ///< in it
 };

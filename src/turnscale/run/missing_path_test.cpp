@@ -56,16 +56,24 @@ TEST(MissingPath, ImagesThatCannotBeReadAreNoLossOfTracking) {
 TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {
   const auto tracked = FindMissingParts(Frames("ttt-ttt"));
   ASSERT_EQ(tracked.size(), 1u);
-  EXPECT_EQ(MissingPartText(tracked[0]), "not recorded from 0.2 s to 2.3 s");
+  EXPECT_EQ(MissingPartText(tracked[0]), "not recorded from 0.3 s to 2.3 s");
+  EXPECT_NEAR(TotalSeconds(tracked), 2, 1e-9) << "as long as the gap";
   const auto lost = FindMissingParts(Frames("ttt-bbt"));
   ASSERT_EQ(lost.size(), 2u);
-  EXPECT_EQ(MissingPartText(lost[0]), "not recorded from 0.2 s to 2.3 s");
+  EXPECT_EQ(MissingPartText(lost[0]), "not recorded from 0.3 s to 2.3 s");
   EXPECT_EQ(MissingPartText(lost[1]), "tracking lost from 2.3 s to 2.5 s (2 frames)");
   const auto before = FindMissingParts(Frames("tbb-bt"));
   ASSERT_EQ(before.size(), 3u);
   EXPECT_EQ(MissingPartText(before[0]), "tracking lost from 0.1 s to 0.2 s (2 frames)");
-  EXPECT_EQ(MissingPartText(before[1]), "not recorded from 0.2 s to 2.3 s");
+  EXPECT_EQ(MissingPartText(before[1]), "not recorded from 0.3 s to 2.3 s");
   EXPECT_EQ(MissingPartText(before[2]), "tracking lost from 2.3 s to 2.4 s (1 frame)");
+}
+
+TEST(MissingPath, StepsIntoAndAcrossAPartAreInIt) {
+  const auto frames = Frames("ttbbt-tt");
+  const auto parts = FindMissingParts(frames);
+  const auto is_missing = [&](int i) { return IsMissing(parts, frames[i].time, frames[i + 1].time); };
+  for (int i = 0; i + 1 < static_cast<int>(frames.size()); ++i) EXPECT_EQ(is_missing(i), i >= 2 && i <= 4) << i;
 }
 
 TEST(MissingPath, UnreadableImagesAndPausesBeforeTheMapArePartsOfTheSameBeginning) {

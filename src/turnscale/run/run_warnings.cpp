@@ -202,8 +202,9 @@ std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double f
   if (count == 0) return "";
   const MapRestart& worst = *std::ranges::max_element(restarts, {}, &MapRestart::turn_sigma);
   const double end = worst.time - first_time;
-  const std::string where = count == 1 ? fmt::format("the gap that ends at {:.1f} s", end)
-                                       : fmt::format("{} gaps (at worst the one that ends at {:.1f} s)", count, end);
+  // The map begins only with some images after the gap.
+  const std::string where = count == 1 ? fmt::format("the gap before {:.1f} s", end)
+                                       : fmt::format("{} gaps (at worst the one before {:.1f} s)", count, end);
   const std::string known = count == 1 && worst.turn_sigma > kUnknown
                                 ? "is not known"
                                 : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));

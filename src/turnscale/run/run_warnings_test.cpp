@@ -202,7 +202,7 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   const std::vector<FrameResult> frames = PathFrames(8, 1);
   const std::vector<std::string> warnings = SummaryOf(drive, frames, {}).warnings;
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("the gap that ends at 12.5 s is only known to about +-20 deg"), std::string::npos)
+  EXPECT_NE(warnings[0].find("the gap before 12.5 s is only known to about +-20 deg"), std::string::npos)
       << warnings[0];
   drive.restarts[1].turn_sigma = 0.1;
   EXPECT_TRUE(SummaryOf(drive, frames, {}).warnings.empty());
