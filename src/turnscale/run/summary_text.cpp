@@ -178,10 +178,14 @@ std::string SigmaText(double sigma) {
 std::string ScaleText(const ScaleSummary& scale, const DriveFacts& drive) {
   if (scale.is_metric()) {
     constexpr double kClearly = 1.05;
-    return fmt::format("{}, path length {} (1 sigma){}, along the drive at most {} (at {:.1f} s)",
-                       scale.is_known() ? "known" : "uncertain", SigmaText(scale.path_sigma),
-                       scale.path_sigma > kClearly * scale.worst_sigma ? " with what warnings say of its parts" : "",
-                       SigmaText(scale.worst_sigma), scale.worst_sigma_time - drive.given.first_time);
+    // The length has errors beside that of the scale, as of parts that are not measured.
+    const std::string length = SigmaText(scale.path_sigma);
+    const std::string worst = SigmaText(scale.worst_sigma);
+    const bool is_larger = scale.path_sigma > scale.worst_sigma && length != worst;
+    return fmt::format(
+        "{}, path length {} (1 sigma){}, {} at most {} (at {:.1f} s)", scale.is_known() ? "known" : "uncertain", length,
+        scale.path_sigma > kClearly * scale.worst_sigma ? " with what warnings say of its parts" : "",
+        is_larger ? "by the scale alone" : "along the drive", worst, scale.worst_sigma_time - drive.given.first_time);
   }
   const std::string pending = ScaleStateName(scale.state);
   if (drive.has_measure()) return pending + ", " + UpToScaleText(scale.pending_reason);
