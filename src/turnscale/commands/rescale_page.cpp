@@ -68,8 +68,10 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   }
   if (timed) data.speeds = SpeedsOf(data.frames, car.lever_arm);
   const auto used = std::count_if(data.turns.begin(), data.turns.end(), [](const auto& turn) { return turn.used; });
+  const std::string gaps =
+      result.gap_length > 0 ? fmt::format("; {:.1f} m more across gaps, not measured", result.gap_length) : "";
   data.facts = {{"Path length", fmt::format("{:.1f} m", result.length),
-                 fmt::format("\u00b1{:.1f} % (1 sigma)", 100 * result.estimate->length_sigma)},
+                 fmt::format("\u00b1{:.1f} % (1 sigma){}", 100 * result.estimate->length_sigma, gaps)},
                 {"Poses", fmt::format("{}", result.metric.size()), ""},
                 {"Turns", fmt::format("{} of {}", used, data.turns.size()), "used for the scale"}};
   if (const CarRefinement& refined = result.estimate->car;

@@ -264,6 +264,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input,
                      {"poses", result.poses.size()},
                      {"length_m", result.length},
                      {"length_sigma", estimate.length_sigma},
+                     {"gap_length_m", result.gap_length},
                      {"known", IsKnown(result)},
                      {"metres_per_unit", {{"min", low}, {"max", high}}},
                      {"sigma_relative", {{"min", best}, {"max", worst}}},
@@ -325,6 +326,8 @@ std::string RescaleText(const RescaleResult& result) {
       IsKnown(result) ? "" : fmt::format(" (uncertain, as it is above {:.0f} %)", 100 * kLargestKnownSigma);
   text += fmt::format("path          {:.1f} m +-{:.1f} %{}, {} of {} turns used\n", result.length,
                       100 * result.estimate->length_sigma, uncertain, UsedTurns(result), TurnsOf(result).size());
+  if (result.gap_length > 0)
+    text += fmt::format("gaps          {:.1f} m more where tracking was lost, not measured\n", result.gap_length);
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +-{:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,

@@ -41,6 +41,17 @@ TEST(RescaleText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
   EXPECT_EQ(slip_line(0), "side slip     0, since the estimate would be negative");
 }
 
+TEST(RescaleText, HasTheWayAcrossGapsThatThePathLacks) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.002}, 7);
+  RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  EXPECT_EQ(RescaleText(result).find("gaps"), std::string::npos);
+  result.gap_length = 21.14;
+  EXPECT_NE(RescaleText(result).find("turns used\ngaps          21.1 m more where tracking was lost, not measured\n"),
+            std::string::npos)
+      << RescaleText(result);
+  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", {}))["gap_length_m"], 21.14);
+}
+
 TEST(RescaleJson, HasTheWarnings) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.002}, 7);
   const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);

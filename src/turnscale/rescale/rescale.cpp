@@ -344,6 +344,10 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   }
   BringToMetres(trajectory, result);
   if (options.timed) CrossGapsAtMeanSpeed(gaps, result.metric);
+  for (const PathGap& gap : gaps)
+    result.gap_length += (result.metric[gap.pose].world_from_camera.translation -
+                          result.metric[gap.pose - 1].world_from_camera.translation)
+                             .norm();
   Filter(options, result);
   return result;
 }

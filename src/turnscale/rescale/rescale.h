@@ -81,6 +81,8 @@ struct RescaleResult {
   std::optional<SideSlip> assumed_slip;
   /// Of the metric path along its steps, metres; without jumps and gaps.
   double length = 0;
+  /// Of the way across the gaps, metres, which is not measured.
+  double gap_length = 0;
 };
 
 /// Converts an up-to-scale trajectory to metres, with the scale estimated from its turns: no images. Poses are the

@@ -137,6 +137,7 @@ TEST(Rescale, TheWayAcrossAGapIsThatOfTheSpeedsBesideIt) {
                               drive.trajectory[kFirst - 1].world_from_camera.translation)
                                  .norm();
   EXPECT_NEAR((place(kFirst) - place(kFirst - 1)).norm(), way, 0.1 * way);
+  EXPECT_DOUBLE_EQ(result.gap_length, (place(kFirst) - place(kFirst - 1)).norm());
 }
 
 TEST(Rescale, KnowsHowLongTheWayWas) {
