@@ -288,6 +288,26 @@ TEST_F(ErrorsTest, AClipThatEndsTooEarlyIsNamed) {
   EXPECT_EQ(Summary()["warnings"][0], Summary()["stopped"]);
 }
 
+TEST_F(ErrorsTest, ADriveWhoseMiddleCannotBeDecodedIsIncomplete) {
+  const fs::path clips = folder_ / "DCIM";
+  fs::create_directories(clips);
+  const fs::path first = clips / "20230501_120000.avi";
+  Video(first, 0, 10);
+  std::ofstream(clips / "20230501_120001.avi") << "this is no video";
+  Video(clips / "20230501_120003.avi", 10, kRoomFrames);
+  fs::copy(Drive() / "calib.txt", clips);
+  const std::vector<std::string> arguments = {"run", clips.string(), "--out", Out().string(), "--quiet"};
+  EXPECT_EQ(RunCommand(arguments, folder_).exit_code, 0);
+  EXPECT_EQ(Summary()["stopped"], "20230501_120001.avi: cannot be decoded: a part of the drive is missing");
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+
+  fs::remove(clips / "20230501_120001.avi");
+  fs::resize_file(first, fs::file_size(first) * 6 / 10);
+  EXPECT_EQ(RunCommand(arguments, folder_).exit_code, 0);
+  EXPECT_TRUE(Summary()["stopped"].get<std::string>().starts_with("20230501_120000.avi: the video ends after "));
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+}
+
 TEST_F(ErrorsTest, APartOfTheDrive) {
   EXPECT_EQ(Run({"--start", "0:00.5", "--end", "1.5", "--quiet"}).exit_code, 0);
   EXPECT_EQ(Summary()["frames"]["total"], 10);

@@ -107,6 +107,7 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
         !why.empty())
       return why;
   if (const auto lost = FirstLost(frames)) return fmt::format("tracking was lost at frame {}", *lost);
+  if (!source.Lacks().empty()) return source.Lacks();
   return source.EndsEarly();
 }
 

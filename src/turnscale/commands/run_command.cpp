@@ -136,6 +136,7 @@ LeftByOptions LeftBy(const RunArguments& arguments, const DriveImages& images) {
 
 EndOfDrive EndOf(const ImageSource& source) {
   return {.begins_late = source.BeginsLate(),
+          .lacks = source.Lacks(),
           .ends_early = source.EndsEarly(),
           .notice = source.NoticeAtEnd(),
           .leaves_out = source.LeavesOut(),

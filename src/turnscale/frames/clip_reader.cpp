@@ -121,8 +121,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
       left_out_.back() += fmt::format(": the beginning of the drive is missing, and times count from {}",
                                       clips_.front().filename().string());
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
-    if (failure.clip == 0 && missing_beginning_.empty()) missing_beginning_ = failure.path;
-    if (failure.clip == clips_.size() && missing_end_.empty()) missing_end_ = failure.path;
+    left_out_before_.emplace(failure.clip, failure.path);
     if (between && !(recorded_ && recorded_->AreInNames()))
       throw InputError(
           failure.problem +
@@ -139,10 +138,15 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   }
 }
 
-std::string ClipReader::BeginsLate() const {
-  if (missing_beginning_.empty()) return {};
-  return NameOf(missing_beginning_) + ": cannot be decoded: the beginning of the drive is missing";
+// Why the drive lacks images before a clip, or at its end; empty if no clip is left out there.
+std::string ClipReader::LackBefore(size_t clip) const {
+  const auto left_out = left_out_before_.find(clip);
+  if (left_out == left_out_before_.end()) return {};
+  const char* part = clip == 0 ? "the beginning" : clip == clips_.size() ? "the end" : "a part";
+  return fmt::format("{}: cannot be decoded: {} of the drive is missing", NameOf(left_out->second), part);
 }
+
+std::string ClipReader::BeginsLate() const { return LackBefore(0); }
 
 bool ClipReader::HasTimes() const {
   return options_.fps ||
@@ -230,11 +234,12 @@ void ClipReader::Close() {
   if (why.empty() && options_.timed)
     AddSentence(notice_, LacksFrames(before, header, frames_, options_.fps.has_value()));
   if (++clip_ == clips_.size()) {
-    if (ends_early_.empty() && !missing_end_.empty())
-      ends_early_ = NameOf(missing_end_) + ": cannot be decoded: the end of the drive is missing";
+    if (ends_early_.empty()) ends_early_ = LackBefore(clip_);
     return;
   }
   AddSentence(notice_, ends_early_);
+  AddSentence(lacks_, ends_early_);
+  AddSentence(lacks_, LackBefore(clip_));
   if (!options_.timed) return;
   if (recorded_->Guessed() == clip_) {
     AddSentence(notice_,
@@ -328,6 +333,7 @@ std::optional<DriveImage> ClipReader::Read() {
       gap_ = 0;
       unknown_gap_ = false;
       notice_.clear();
+      lacks_.clear();
       overlap_.clear();
       continue;
     }
@@ -342,6 +348,8 @@ std::optional<DriveImage> ClipReader::Read() {
     const std::string late = first && passed_ > 1 && gap_ > 0 ? StartsInGap(*image.time) : std::string();
     // Before the first image: of clips of which no frame could be decoded.
     image.notice = !first || passed_ == 1 ? notice_ : late;
+    // A start at the end of a gap leaves nothing of it.
+    if (!first || passed_ == 1 || !late.empty()) image.lacks = lacks_;
     if (!first && !overlap_.empty() && !std::exchange(overlap_named_, true)) AddSentence(image.notice, overlap_);
     overlap_.clear();
     if (first) {
@@ -351,6 +359,7 @@ std::optional<DriveImage> ClipReader::Read() {
     gap_ = 0;
     unknown_gap_ = false;
     notice_.clear();
+    lacks_.clear();
     return image;
   }
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,6 +65,7 @@ class ClipReader : public FrameReader {
   void ReadHeaders(const std::vector<std::filesystem::path>& clips);
   void Open();
   void Close();
+  std::string LackBefore(size_t clip) const;
   void PassOverStart();
   std::optional<double> EndByStamps() const;
   std::optional<double> TimeNext();
@@ -75,8 +77,7 @@ class ClipReader : public FrameReader {
   ClipOptions options_;
   std::vector<VideoHeader> headers_;
   std::vector<std::string> left_out_;
-  std::filesystem::path missing_beginning_;  // the first of the clips that are left out at the beginning
-  std::filesystem::path missing_end_;        // the same at the end
+  std::map<size_t, std::filesystem::path> left_out_before_;  // the first clip that is left out before a clip
   std::optional<RecordingTimes> recorded_;
   int count_ = 0;
 
@@ -99,6 +100,7 @@ class ClipReader : public FrameReader {
   double gap_ = 0;            // before the next image
   bool unknown_gap_ = false;  // before the next image
   std::string notice_;        // before the next image
+  std::string lacks_;         // before the next image
   std::string ends_early_;
 };
 

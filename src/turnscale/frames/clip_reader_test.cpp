@@ -213,6 +213,10 @@ TEST_F(ClipReaderTest, ADamagedClipLeavesAGap) {
   EXPECT_NEAR(*images[second].time, 4, 0.01);
   EXPECT_NE(images[second].notice.find("a.avi: the video ends after"), std::string::npos) << images[second].notice;
   EXPECT_NE(images[second].notice.find("s between a.avi and b.avi"), std::string::npos) << images[second].notice;
+  EXPECT_TRUE(images[second].lacks.starts_with("a.avi: the video ends after ")) << images[second].lacks;
+  EXPECT_EQ(images[second + 1].lacks, "");
+  EXPECT_EQ(ReadAll({{damaged, folder_ / "b.avi"}, {.start = 4}})[0].lacks, "") << "nothing of the part";
+  EXPECT_EQ(ReadAll({{damaged, folder_ / "b.avi"}, {.start = 2.4}})[0].lacks, images[second].lacks) << "in the gap";
 }
 
 TEST_F(ClipReaderTest, ACutByAnEditListLeavesNoGap) {
@@ -362,6 +366,7 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
       {{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"), Write("20230501_120007.mp4", 20, 20)}, {}});
   ASSERT_EQ(images.size(), 40u);
   EXPECT_NEAR(*images[20].time, 7, 1e-9);
+  EXPECT_EQ(images[20].lacks, "20230501_120002.mp4: cannot be decoded: a part of the drive is missing");
 }
 
 TEST_F(ClipReaderTest, SizesHaveToAgree) {

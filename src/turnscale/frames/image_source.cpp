@@ -300,6 +300,7 @@ struct ImageSource::State {
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
   std::string begins_late;
+  std::string lacks;
   std::string notice;
   std::vector<ClipPart> clips;
   int clip = 0;                      // of the latest image
@@ -332,6 +333,7 @@ std::optional<SourceFrame> ImageSource::Next() {
     state.leaves_out = state.leaves_out || state.past_end;
     if (state.past_end && image->time)
       state.end_notice = EndsInGap(*state.end, *image->time - state.origin, image->gap);
+    if (!state.past_end || !state.end_notice.empty()) AddSentence(state.lacks, image->lacks);
     if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
   }
   if (!image || state.past_end) {
@@ -359,6 +361,8 @@ int ImageSource::count() const { return state_->count; }
 double ImageSource::first_time() const { return state_->origin; }
 
 const std::string& ImageSource::BeginsLate() const { return state_->begins_late; }
+
+const std::string& ImageSource::Lacks() const { return state_->lacks; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
 

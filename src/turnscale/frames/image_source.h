@@ -84,6 +84,9 @@ class ImageSource {
   /// Why the drive begins after it should; empty if it does not.
   const std::string& BeginsLate() const;
 
+  /// Why the frames so far lack some that were recorded, as notices have said; empty if they do not.
+  const std::string& Lacks() const;
+
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 

@@ -565,6 +565,23 @@ TEST_F(ImageSourceTest, WhetherAPartLeavesImagesOut) {
   expect_of_parts({.timestamps = file});
 }
 
+TEST_F(ImageSourceTest, WhatADriveLacksIsThatOfThePart) {
+  for (const char* name : {"20230501_120000.mkv", "20230501_120007.mkv"})
+    WriteTestVideo(folder_ / name, std::vector<cv::Mat>(20, Image(1)), {.codec = "ffv1", .ticks_per_second = 10});
+  Text("20230501_120002.mkv", "no video");
+  const auto lacks = [&](const ImageSourceOptions& options) {
+    ImageSource source(FindDrive(folder_), options);
+    while (source.Next()) continue;
+    return source.Lacks();
+  };
+  const std::string why = "20230501_120002.mkv: cannot be decoded: a part of the drive is missing";
+  EXPECT_EQ(lacks({}), why);
+  EXPECT_EQ(lacks({.end = 1.5}), "");
+  EXPECT_EQ(lacks({.end = 5}), why);
+  EXPECT_EQ(lacks({.start = 7}), "");
+  EXPECT_EQ(lacks({.start = 4}), why);
+}
+
 TEST_F(ImageSourceTest, AnEndInAGapIsNamed) {
   for (const char* name : {"20230501_120000.mkv", "20230501_120007.mkv"})
     WriteTestVideo(folder_ / name, std::vector<cv::Mat>(20, Image(1)), {.codec = "ffv1", .ticks_per_second = 10});

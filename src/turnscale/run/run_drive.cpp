@@ -27,7 +27,7 @@ namespace {
 // Why the summary does not call a run complete.
 enum class Stop {
   kNo,
-  kLacksImages,  // of the beginning or the end of the drive
+  kLacksImages,  // of the drive
   kMaxFrames,
   kInterrupted,
   kFailed,          // an exception, also where the results are computed or written
@@ -83,9 +83,10 @@ class Run {
     if (!LackingImages().empty()) stop_ = Stop::kLacksImages;
   }
 
-  // Of the beginning and the end of the drive.
+  // Of the beginning of the drive, within it, and of its end.
   std::string LackingImages() const {
     std::string why = at_end_.begins_late;
+    AddSentence(why, at_end_.lacks);
     AddSentence(why, at_end_.ends_early);
     return why;
   }

@@ -24,6 +24,7 @@ namespace turnscale {
 /// What the end of a drive, or of the part that is processed, shows.
 struct EndOfDrive {
   std::string begins_late = {};      ///< why the drive begins after it should, which `warnings` tell; may be empty
+  std::string lacks = {};            ///< why images within it are missing, which notices tell; may be empty
   std::string ends_early = {};       ///< why the drive ends before it should; empty if it does not
   std::string notice = {};           ///< what the user should know about the drive after its last frame; may be empty
   bool leaves_out = false;           ///< the drive has images outside the part of it that was asked for
