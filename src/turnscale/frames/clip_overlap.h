@@ -38,9 +38,10 @@ class ClipTail {
   std::optional<double> RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const;
 
   /// Whether images are missing between the last one and `first`, the first one of the next clip: these two differ by
-  /// much more than those of the tail do that are consecutive or a moment apart. Some gaps remain undetected, among
-  /// them those of a car that stands. False if the tail has too few images to tell.
-  bool JumpsTo(const cv::Mat& first) const;
+  /// much more than those of the tail do that are consecutive or a moment apart. Where images are known to be missing
+  /// as likely as not (`likely`), by a little more. Some gaps remain undetected, among them those of a car that stands.
+  /// False if the tail has too few images to tell.
+  bool JumpsTo(const cv::Mat& first, bool likely = false) const;
 
  private:
   struct Image {

@@ -82,6 +82,23 @@ TEST(ClipTail, SeesMissingImages) {
   EXPECT_FALSE(ClipTail().JumpsTo(still.front()));
 }
 
+TEST(ClipTail, MissingImagesThatAreLikelyAreSeenEarlier) {
+  const ClipTail tail = TailOf(MovingTestImages(0, 40));
+  EXPECT_FALSE(tail.JumpsTo(MovingTestImages(40, 1).front(), true));
+  int seen = 0;
+  int seen_if_likely = 0;
+  for (int image = 41; image < 60; ++image) {
+    const cv::Mat first = MovingTestImages(image, 1).front();
+    const bool jumps = tail.JumpsTo(first);
+    const bool jumps_if_likely = tail.JumpsTo(first, true);
+    EXPECT_TRUE(jumps_if_likely || !jumps) << image;
+    seen += jumps ? 1 : 0;
+    seen_if_likely += jumps_if_likely ? 1 : 0;
+  }
+  EXPECT_GE(seen_if_likely, seen);
+  EXPECT_TRUE(tail.JumpsTo(MovingTestImages(20, 1).front(), true)) << "no image is repeated across a gap";
+}
+
 TEST(ClipTail, AFewLostImagesAreNoGapAtAHighRate) {
   ClipTail tail;
   const std::vector<cv::Mat> images = MovingTestImages(0, 90);

@@ -278,11 +278,13 @@ void ClipReader::BeginNext(double seconds) {
     return image;
   });
   const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
-  const bool jumps = !begin && recorded == 0 && !first.empty() && tail_.JumpsTo(first);
+  const double likely_gap = begin ? 0 : recorded_->LikelyGapAfter(clip_ - 1, seconds);
+  const bool jumps = !begin && recorded == 0 && !first.empty() && tail_.JumpsTo(first, likely_gap > 0);
   if (const double gap = jumps ? recorded_->GapAtJump(clip_ - 1, seconds) : 0; gap > 0) {
     BeginAfterGap(seconds, gap, ": the images show it, its length is known to a second");
     return;
   }
+  likely_gap_ = likely_gap;
   const double end = begin_ + seconds;
   begin_ = begin.value_or(end);
   const std::string name = NameOf(clips_[clip_]);
@@ -332,6 +334,7 @@ std::optional<DriveImage> ClipReader::Read() {
       // Nothing of the drive is before the first image that is given.
       gap_ = 0;
       unknown_gap_ = false;
+      likely_gap_ = 0;
       notice_.clear();
       lacks_.clear();
       overlap_.clear();
@@ -344,6 +347,7 @@ std::optional<DriveImage> ClipReader::Read() {
     if (!first) {
       image.gap = gap_;
       image.unknown_gap = unknown_gap_;
+      image.likely_gap = likely_gap_;
     }
     const std::string late = first && passed_ > 1 && gap_ > 0 ? StartsInGap(*image.time) : std::string();
     // Before the first image: of clips of which no frame could be decoded.
@@ -358,6 +362,7 @@ std::optional<DriveImage> ClipReader::Read() {
     }
     gap_ = 0;
     unknown_gap_ = false;
+    likely_gap_ = 0;
     notice_.clear();
     lacks_.clear();
     return image;

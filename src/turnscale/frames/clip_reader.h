@@ -99,6 +99,7 @@ class ClipReader : public FrameReader {
   bool overlap_named_ = false;
   double gap_ = 0;            // before the next image
   bool unknown_gap_ = false;  // before the next image
+  double likely_gap_ = 0;     // before the next image
   std::string notice_;        // before the next image
   std::string lacks_;         // before the next image
   std::string ends_early_;

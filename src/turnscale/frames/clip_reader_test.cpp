@@ -196,6 +196,17 @@ TEST_F(ClipReaderTest, ShortGapsAreSeen) {
   EXPECT_FALSE(images[40].unknown_gap);
 }
 
+TEST_F(ClipReaderTest, AGapThatOnlyTheNamesTellIsKeptInMind) {
+  const fs::path first = WriteMoving("20230501_120000.mp4", 0, 40);
+  // The images go on, though a second is missing by the names.
+  const auto images = ReadAll({{first, WriteMoving("20230501_120005.mp4", 40, 40)}, {}});
+  EXPECT_NEAR(*images[40].time, 4, 1e-9);
+  EXPECT_NEAR(images[40].likely_gap, 1, 1e-9);
+  EXPECT_EQ(images[41].likely_gap, 0);
+  EXPECT_EQ(ReadAll({{first, WriteMoving("20230501_120004.mp4", 40, 40)}, {}})[40].likely_gap, 0);
+  EXPECT_EQ(ReadAll({{first, WriteMoving("20230501_120005.mp4", 50, 40)}, {}})[40].likely_gap, 0) << "the gap is kept";
+}
+
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {
   const auto images =
       ReadAll({{Write("a.mkv", 0, 4, {.ticks_per_second = 10, .stamps = {0, 1, 50, 51}})}, {.fps = {}}});

@@ -79,6 +79,7 @@ struct DriveImage {
   int clip = 0;                ///< number of the video that it is from
   double gap = 0;              ///< seconds before it that the drive is not recorded; 0 if it continues
   bool unknown_gap = false;    ///< images seem to be missing before it, and nothing tells for how long
+  double likely_gap = 0;       ///< seconds that may be missing before it, by names that are known to the second
   std::string lacks;           ///< why images before it that were recorded cannot be used; empty if all can
   std::string notice;          ///< what the user should know about the drive before this image; may be empty
 };

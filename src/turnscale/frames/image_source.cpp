@@ -270,7 +270,7 @@ struct ImageSource::State {
     if (clip_files.empty()) return;
     const bool is_first = clips.empty();
     if (is_first || image.clip != clip) {
-      clips.push_back({clip_files[image.clip], time, time, 0, image.gap, image.unknown_gap});
+      clips.push_back({clip_files[image.clip], time, time, 0, image.gap, image.unknown_gap, image.likely_gap});
       clip = image.clip;
     }
     clips.back().end = time;

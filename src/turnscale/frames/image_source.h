@@ -32,6 +32,9 @@ struct ClipPart {
   double gap_before = 0;  ///< seconds between the clip before and this one that are not recorded
   /// Images seem to be missing between the clip before and this one, and nothing tells for how long.
   bool unknown_gap_before = false;
+  /// Seconds that may be missing between the clip before and this one, by names that are known to the second. The
+  /// times do not include them, as the images do not show that any is missing.
+  double likely_gap_before = 0;
 };
 
 struct ImageSourceOptions {

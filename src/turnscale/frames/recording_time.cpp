@@ -210,6 +210,14 @@ double RecordingTimes::GapAtJump(size_t clip, double duration) const {
   return gap < kLongestPause ? gap : kLeast;
 }
 
+double RecordingTimes::LikelyGapAfter(size_t clip, double duration) const {
+  // By rounding alone, a pause is below a second, and rarely this long.
+  constexpr double kLeast = 0.9;  // s
+  if (!by_name_ || clip + 1 >= starts_.size()) return 0;
+  const double pause = PauseAfter(clip, duration);
+  return pause >= kLeast && pause <= kResolution ? pause : 0;
+}
+
 double RecordingTimes::OverlapAfter(size_t clip, double duration) const {
   if (clip + 1 >= starts_.size()) return 0;
   const double pause = PauseAfter(clip, duration);

@@ -46,6 +46,9 @@ class RecordingTimes {
   /// of the times may hold: half a second or more; 0 if nothing tells when they were recorded, or the names leave no
   /// time for a gap.
   double GapAtJump(size_t clip, double duration) const;
+  /// The same where the names tell a pause that is within the resolution of their times, but longer than rounding them
+  /// explains: about a second or more.
+  double LikelyGapAfter(size_t clip, double duration) const;
   /// Seconds by which the next clip begins before the end of a clip of that duration; 0 if it does not, or if nothing
   /// tells.
   double OverlapAfter(size_t clip, double duration) const;

@@ -70,6 +70,16 @@ TEST(RecordingTimes, YearsOfTwoDigitsCountWhereTheClipsFollowOneAnother) {
   }
 }
 
+TEST(RecordingTimes, APauseThatRoundingDoesNotExplainIsLikely) {
+  const RecordingTimes named({"20230501_120000.mp4", "20230501_120101.mp4"}, {Header(60), Header(60)});
+  EXPECT_DOUBLE_EQ(named.LikelyGapAfter(0, 60), 1);
+  EXPECT_EQ(named.LikelyGapAfter(0, 60.2), 0) << "rounding";
+  EXPECT_EQ(named.LikelyGapAfter(0, 59), 0) << "a gap without doubt";
+  EXPECT_EQ(named.LikelyGapAfter(1, 60), 0) << "no other clip";
+  EXPECT_EQ(RecordingTimes({"a.mp4", "b.mp4"}, {Header(60, kMayNoon), Header(60, kMayNoon + 61)}).LikelyGapAfter(0, 60),
+            0);
+}
+
 TEST(RecordingTimes, AGapIsLongerThanTheResolutionOfTheNames) {
   const RecordingTimes times({"20230501_120000.mp4", "20230501_120100.mp4", "20230501_120203.mp4"},
                              {Header(60), Header(60), Header(60)});

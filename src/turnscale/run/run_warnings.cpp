@@ -36,10 +36,13 @@ std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const 
     });
     if (!lost || clip.gap_before > 0 || clip.unknown_gap_before) continue;
     const auto name = [](const ClipPart& part) { return std::filesystem::path(part.file).filename().string(); };
-    warnings.push_back(
-        fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "
-                    "none is missing",
-                    name(clips[i - 1]), name(clip), clip.start - first_time));
+    const std::string why =
+        clip.likely_gap_before > 0
+            ? fmt::format("by the times in their names, about {:.1f} s are missing there, and the path is too short",
+                          clip.likely_gap_before)
+            : std::string("check that the clips are in order and none is missing");
+    warnings.push_back(fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): {}", name(clips[i - 1]),
+                                   name(clip), clip.start - first_time, why));
   }
   return warnings;
 }

@@ -169,9 +169,9 @@ TEST(RunWarnings, WhatAWrongCalibrationDoesIsSaidOnce) {
 TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   std::vector<FrameResult> frames = PathFrames(8, 1);
   frames[4].state = TrackingState::kBridged;
-  const auto warnings = [&](double start, double gap, bool unknown_gap = false) {
+  const auto warnings = [&](double start, double gap, bool unknown_gap = false, double likely_gap = 0) {
     DriveFacts drive;
-    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap, unknown_gap}};
+    drive.ending.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap, unknown_gap, likely_gap}};
     return SummaryOf(drive, frames, {}).warnings;
   };
   const double seam = frames[4].time;
@@ -180,6 +180,10 @@ TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {
   EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
   EXPECT_TRUE(warnings(seam, 0, true).empty()) << "that images are missing is named already";
   EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
+  ASSERT_EQ(warnings(seam, 0, false, 1).size(), 1u);
+  EXPECT_EQ(warnings(seam, 0, false, 1)[0],
+            "tracking is lost where a.mp4 ends and b.mp4 begins (at 0.4 s): by the times in their names, about 1.0 s "
+            "are missing there, and the path is too short");
 }
 
 TEST(RunWarnings, WarnsOfAPathThatIsMostlyAssumed) {
