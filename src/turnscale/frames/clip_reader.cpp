@@ -154,10 +154,18 @@ bool ClipReader::HasTimes() const {
 }
 
 int ClipReader::CountBetween(double start, const std::optional<double>& end) const {
-  const double rate = options_.fps.value_or(headers_.front().rate);
-  const double first = std::min<double>(count_, start * rate);
-  const double last = end ? std::min<double>(count_, *end * rate) : count_;
-  return static_cast<int>(std::lround(last - first));
+  if (count_ == 0) return 0;
+  double begin = 0;  // of the clip
+  double frames = 0;
+  for (size_t i = 0; i < headers_.size(); ++i) {
+    const double rate = options_.fps.value_or(headers_[i].rate);
+    const double seconds = headers_[i].frames / rate;
+    const double first = std::clamp(start - begin, 0.0, seconds);
+    const double last = end ? std::clamp(*end - begin, first, seconds) : seconds;
+    frames += (last - first) * rate;
+    begin += seconds + (recorded_ ? recorded_->GapAfter(i, seconds) : 0);
+  }
+  return static_cast<int>(std::lround(frames));
 }
 
 void ClipReader::Open() {

@@ -56,7 +56,7 @@ class ClipReader : public FrameReader {
 
   /// Number of frames as the headers say; 0 if one does not.
   int count() const { return count_; }
-  /// The same for a part of the drive, as for a constant rate without gaps.
+  /// The same for a part of the drive, as for a constant rate; gaps count as far as the headers tell of them.
   int CountBetween(double start, const std::optional<double>& end) const;
   /// Whether the headers or the options tell the times of the frames.
   bool HasTimes() const;

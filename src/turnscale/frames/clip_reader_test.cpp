@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -205,6 +207,14 @@ TEST_F(ClipReaderTest, AGapThatOnlyTheNamesTellIsKeptInMind) {
   EXPECT_EQ(images[41].likely_gap, 0);
   EXPECT_EQ(ReadAll({{first, WriteMoving("20230501_120004.mp4", 40, 40)}, {}})[40].likely_gap, 0);
   EXPECT_EQ(ReadAll({{first, WriteMoving("20230501_120005.mp4", 50, 40)}, {}})[40].likely_gap, 0) << "the gap is kept";
+}
+
+TEST_F(ClipReaderTest, TheCountOfAPartLeavesOutGaps) {
+  const std::vector<fs::path> clips = {Write("20230501_120000.mp4", 0, 20), Write("20230501_120010.mp4", 20, 20)};
+  const ClipReader reader(clips, {});
+  for (const auto& [start, end, count] :
+       {std::tuple{0.0, std::optional<double>(), 40}, {0.5, {}, 35}, {5, {}, 20}, {11, {}, 10}, {1, 11, 20}, {3, 9, 0}})
+    EXPECT_EQ(reader.CountBetween(start, end), count) << start;
 }
 
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {
