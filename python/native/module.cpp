@@ -207,6 +207,7 @@ class DriveReader {
     Execute([&](const CommandHooks& hooks) {
       images_ = std::make_unique<DriveImages>(OpenImages(arguments_, kUnscaled));
       for (const std::string& clip : images_->source.left_out()) Warn(hooks, clip);
+      if (!images_->source.notice().empty()) Warn(hooks, images_->source.notice());
     });
   }
   ~DriveReader() {

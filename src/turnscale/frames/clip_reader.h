@@ -41,6 +41,10 @@ class ClipReader : public FrameReader {
 
   /// Those that are read.
   const std::vector<std::filesystem::path>& clips() const { return clips_; }
+  /// When the drive begins by the clips' names (RecordingTimes::Begin); empty if they do not tell.
+  std::optional<double> RecordedFrom() const { return recorded_ ? recorded_->Begin() : std::nullopt; }
+  /// What the user should know about the times of recording, one line; may be empty.
+  std::string NoticeOfTimes() const { return recorded_ ? recorded_->WhyNotByNames() : std::string(); }
   /// Why clips are left out, one line for each.
   const std::vector<std::string>& left_out() const { return left_out_; }
 

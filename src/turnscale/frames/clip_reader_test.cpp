@@ -209,6 +209,16 @@ TEST_F(ClipReaderTest, AGapThatOnlyTheNamesTellIsKeptInMind) {
   EXPECT_EQ(ReadAll({{first, WriteMoving("20230501_120005.mp4", 50, 40)}, {}})[40].likely_gap, 0) << "the gap is kept";
 }
 
+TEST_F(ClipReaderTest, TimesOfNamesThatAreNotUsedAreNamed) {
+  const fs::path front = Write("230501_120000F.mp4", 0, 20);
+  EXPECT_EQ(ClipReader({front, Write("230501_120000R.mp4", 20, 20)}, {}).NoticeOfTimes(),
+            "the times in the names of the clips are not used, as 230501_120000R.mp4 begins 2.0 s before "
+            "230501_120000F.mp4 ends by them: are the clips of one drive and one camera, in their order?");
+  const ClipReader reader({front, Write("230501_120002F.mp4", 20, 20)}, {});
+  EXPECT_EQ(reader.NoticeOfTimes(), "");
+  EXPECT_EQ(reader.RecordedFrom(), 1682942400);
+}
+
 TEST_F(ClipReaderTest, TheCountOfAPartLeavesOutGaps) {
   const std::vector<fs::path> clips = {Write("20230501_120000.mp4", 0, 20), Write("20230501_120010.mp4", 20, 20)};
   const ClipReader reader(clips, {});

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <stop_token>
 #include <thread>
@@ -22,6 +23,7 @@
 #include "turnscale/frames/image_numbers.h"
 #include "turnscale/frames/image_rotation.h"
 #include "turnscale/frames/image_scaling.h"
+#include "turnscale/frames/recording_time.h"
 #include "turnscale/frames/video_file.h"
 
 namespace turnscale {
@@ -86,7 +88,8 @@ struct ImageSource::State {
     CheckRate(options.fps);
     CheckRotation(rotate);
     if (end && *end <= start)
-      throw InputError(fmt::format("--end {:g} s: has to be after --start {:g} s", *end, start));
+      throw InputError(fmt::format("--end {:g} s: has to be after {}", *end,
+                                   start > 0 ? fmt::format("--start {:g} s", start) : "the drive's start"));
     times_file = TimesFile(drive, options);
     clock.fps = options.fps.value_or(0);
     if (drive.bags) {
@@ -137,6 +140,8 @@ struct ImageSource::State {
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
     begins_late = clip_reader->BeginsLate();
+    recorded_from = clip_reader->RecordedFrom();
+    notice = clip_reader->NoticeOfTimes();
     pixel_aspect = clip_reader->pixel_aspect();
     if (rotate % 180 != 0) pixel_aspect = 1 / pixel_aspect;
     reader = std::move(clip_reader);
@@ -183,9 +188,25 @@ struct ImageSource::State {
 
   [[noreturn]] void RefusePart(double drive_end) const {
     if (start > drive_end)
-      throw InputError(fmt::format("--start {:g} s: the drive ends at {:.1f} s; give the time since the drive's start",
-                                   start, drive_end));
-    throw InputError(fmt::format("--start {:g} s, --end {:g} s: the drive has no frame between them", start, *end));
+      throw InputError(
+          fmt::format("--start {:g} s: the drive ends at {:.1f} s; give the time since the drive's start{}", start,
+                      drive_end, StartByClock(drive_end)));
+    if (start > 0 && end)
+      throw InputError(fmt::format("--start {:g} s, --end {:g} s: the drive has no frame between them", start, *end));
+    throw InputError(end ? fmt::format("--end {:g} s: the drive has no frame before it", *end)
+                         : fmt::format("--start {:g} s: the drive has no frame after it", start));
+  }
+
+  // What to give where the start is a time of day within the drive, by the names of its videos; empty if it is none.
+  std::string StartByClock(double drive_end) const {
+    constexpr int kDay = 86400;  // s
+    if (!recorded_from || start >= kDay) return {};
+    const double begin = std::fmod(*recorded_from, kDay);
+    const double since = start < begin ? start + kDay - begin : start - begin;
+    if (since > drive_end) return {};
+    const auto time_of_day = [](double seconds) { return RecorderTimeText(seconds).substr(std::size("YYYY-MM-DD")); };
+    return fmt::format(": --start {:g} for {}, as its first video begins at {} by its name", since, time_of_day(start),
+                       time_of_day(begin));
   }
 
   ~State() {
@@ -300,6 +321,7 @@ struct ImageSource::State {
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
   std::string begins_late;
+  std::optional<double> recorded_from;
   std::string lacks;
   std::string notice;
   std::vector<ClipPart> clips;
@@ -361,6 +383,8 @@ int ImageSource::count() const { return state_->count; }
 double ImageSource::first_time() const { return state_->origin; }
 
 const std::string& ImageSource::BeginsLate() const { return state_->begins_late; }
+
+const std::optional<double>& ImageSource::RecordedFrom() const { return state_->recorded_from; }
 
 const std::string& ImageSource::Lacks() const { return state_->lacks; }
 

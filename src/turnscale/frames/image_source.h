@@ -84,6 +84,10 @@ class ImageSource {
   /// Time of the drive's first frame, seconds, from which `start` and `end` count.
   double first_time() const;
 
+  /// When the drive's first frame was recorded, seconds since 1970 on the recorder's clock, whatever its time zone, as
+  /// the names of its videos tell; empty if they do not.
+  const std::optional<double>& RecordedFrom() const;
+
   /// Why the drive begins after it should; empty if it does not.
   const std::string& BeginsLate() const;
 

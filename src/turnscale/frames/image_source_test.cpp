@@ -513,6 +513,7 @@ TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   EXPECT_NE(Complaint({.fps = 10, .start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
   EXPECT_NE(Complaint({.fps = 10, .start = 2, .end = 2}).find("--end 2 s: has to be after --start 2 s"),
             std::string::npos);
+  EXPECT_EQ(Complaint({.fps = 10, .end = 0}), "--end 0 s: has to be after the drive's start");
 
   std::vector<cv::Mat> images;
   for (int i = 0; i < 20; ++i) {
@@ -563,6 +564,22 @@ TEST_F(ImageSourceTest, WhetherAPartLeavesImagesOut) {
   WriteTestVideo(folder_ / "v.mkv", images, {.codec = "ffv1", .ticks_per_second = 10});
   expect_of_parts({});
   expect_of_parts({.timestamps = file});
+}
+
+TEST_F(ImageSourceTest, AStartThatIsATimeOfDayIsTranslated) {
+  std::vector<cv::Mat> images(20, Image(1));
+  const auto complaint = [&](const std::string& name, const ImageSourceOptions& options) {
+    const fs::path video = folder_ / name;
+    WriteTestVideo(video, images, {.codec = "ffv1", .ticks_per_second = 10});
+    const std::string text = Complaint(options);
+    fs::remove(video);
+    return text;
+  };
+  const std::string text = "the drive ends at 1.9 s; give the time since the drive's start";
+  EXPECT_EQ(complaint("20230501_120000.mkv", {.start = 43201}),
+            "--start 43201 s: " + text + ": --start 1 for 12:00:01, as its first video begins at 12:00:00 by its name");
+  EXPECT_EQ(complaint("20230501_120000.mkv", {.start = 43203}), "--start 43203 s: " + text);
+  EXPECT_EQ(complaint("a.mkv", {.start = 43201}), "--start 43201 s: " + text);
 }
 
 TEST_F(ImageSourceTest, WhatADriveLacksIsThatOfThePart) {

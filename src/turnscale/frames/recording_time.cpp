@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include <fmt/format.h>
@@ -96,22 +97,47 @@ std::optional<double> TimeInName(std::string_view name) { return FirstTime(name,
 
 std::optional<double> ShortTimeInName(std::string_view name) { return FirstTime(name, ShortTimeAt); }
 
+std::string RecorderTimeText(double seconds) {
+  const std::chrono::sys_seconds time{std::chrono::seconds(static_cast<int64_t>(std::floor(seconds)))};
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date{day};
+  const std::chrono::hh_mm_ss hours{time - day};
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), hours.hours().count(),
+                     hours.minutes().count(), hours.seconds().count());
+}
+
 RecordingTimes::RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers)
     : clips_(clips) {
   std::vector<double> named;
   std::vector<double> named_shortly;
   std::vector<double> created;
+  std::string unnamed;  // the first clip without a time in its name
   for (size_t i = 0; i < clips.size(); ++i) {
     durations_.push_back(headers[i].duration);
-    if (const auto time = TimeInName(clips[i].stem().string())) named.push_back(*time);
-    if (const auto time = ShortTimeInName(clips[i].stem().string())) named_shortly.push_back(*time);
+    const auto time = TimeInName(clips[i].stem().string());
+    const auto short_time = ShortTimeInName(clips[i].stem().string());
+    if (time) named.push_back(*time);
+    if (short_time) named_shortly.push_back(*short_time);
+    if (!time && !short_time && unnamed.empty()) unnamed = clips[i].filename().string();
     if (headers[i].created) created.push_back(*headers[i].created);
   }
-  by_name_ = true;
+  const bool some_are_named = !named.empty();
+  by_name_ = !clips.empty();
   starts_ = std::move(named);
   if (starts_.size() == clips.size()) return;
   starts_ = std::move(named_shortly);
-  if (starts_.size() == clips.size() && FollowOneAnother()) return;
+  const bool all_are_named_shortly = starts_.size() == clips.size();
+  const std::optional<size_t> apart = all_are_named_shortly ? FirstApart() : std::nullopt;
+  if (all_are_named_shortly && !apart) return;
+  if (created.size() != clips.size()) {
+    constexpr auto kNotUsed = "the times in the names of the clips are not used, as ";
+    if (apart)
+      why_not_by_names_ = fmt::format("{}{} {} by them: are the clips of one drive and one camera, in their order?",
+                                      kNotUsed, clips[*apart + 1].filename().string(), PlaceAfter(*apart));
+    else if (some_are_named && !unnamed.empty())
+      why_not_by_names_ = fmt::format("{}{} has none", kNotUsed, unnamed);
+  }
   by_name_ = false;
   starts_.clear();
   if (created.size() != clips.size()) return;
@@ -165,29 +191,30 @@ bool RecordingTimes::OverlapsTooFar(size_t clip) const {
   return overlap > kResolution && (overlap > kResolution + kLongestOverlap || overlap > kLargestShare * shorter);
 }
 
-bool RecordingTimes::FollowOneAnother() const {
+// The first clip that the next one does not follow.
+std::optional<size_t> RecordingTimes::FirstApart() const {
   for (size_t i = 0; i + 1 < starts_.size(); ++i)
-    if (OverlapsTooFar(i) || PauseAfter(i, durations_[i]) > kLongestPause) return false;
-  return true;
+    if (OverlapsTooFar(i) || PauseAfter(i, durations_[i]) > kLongestPause) return i;
+  return std::nullopt;
+}
+
+// When the next clip begins, which does not follow this one.
+std::string RecordingTimes::PlaceAfter(size_t clip) const {
+  const double pause = PauseAfter(clip, durations_[clip]);
+  const std::string before = clips_[clip].filename().string();
+  return pause > 0 ? fmt::format("begins {:.0f} minutes after {} ends", pause / 60, before)
+                   : fmt::format("begins {:.1f} s before {} ends", -pause, before);
 }
 
 void RecordingTimes::CheckContinuity() const {
   CheckChapters();
   const char* times = by_name_ ? "in their names" : "at which the files were made (creation_time)";
-  for (size_t i = 0; i + 1 < starts_.size(); ++i) {
-    const double pause = PauseAfter(i, durations_[i]);
-    const std::string before = clips_[i].filename().string();
-    if (OverlapsTooFar(i))
-      throw InputError(
-          fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
-                      "rear), in the order of time",
-                      clips_[i + 1].string(), -pause, before, times));
-    if (pause > kLongestPause)
-      throw InputError(
-          fmt::format("{}: begins {:.0f} minutes after {} ends, by the times {}: another drive; name the "
-                      "clips of one drive instead",
-                      clips_[i + 1].string(), pause / 60, before, times));
-  }
+  const std::optional<size_t> apart = FirstApart();
+  if (!apart) return;
+  throw InputError(fmt::format("{}: {}, by the times {}{}", clips_[*apart + 1].string(), PlaceAfter(*apart), times,
+                               OverlapsTooFar(*apart)
+                                   ? "; give the clips of one camera (front or rear), in the order of time"
+                                   : ": another drive; name the clips of one drive instead"));
 }
 
 double RecordingTimes::GapAfter(size_t clip, double duration) const {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +18,9 @@ std::optional<double> TimeInName(std::string_view name);
 /// The same with a year of two digits, such as 230501_120000 or 23-05-01_12-00-00: with a separator between date and
 /// time, and alike within each of them. Other numbers may look so, too.
 std::optional<double> ShortTimeInName(std::string_view name);
+
+/// Such as 2023-05-01T12:00:00: of seconds as TimeInName has them, which are rounded down.
+std::string RecorderTimeText(double seconds);
 
 /// When the clips of a drive were recorded, to the second. Cameras that split a recording may write the creation time
 /// of its beginning into all of its files: clips with the same creation time follow one another without a gap.
@@ -33,6 +37,11 @@ class RecordingTimes {
   std::optional<size_t> Guessed() const { return guessed_; }
   /// The names tell when each clip began; creation times may be those of the end.
   bool AreInNames() const { return by_name_; }
+  /// When the first clip began by its name, as TimeInName has it; empty if the names do not tell.
+  std::optional<double> Begin() const { return by_name_ ? std::optional(starts_.front()) : std::nullopt; }
+  /// Why times in the names are not used though nothing else tells, one line; empty if there are none, or they are not
+  /// needed.
+  const std::string& WhyNotByNames() const { return why_not_by_names_; }
 
   /// Throws InputError if a clip begins more than a few seconds before the one before it ends (kLongestOverlap), or so
   /// long after it that it is of another drive, or where a chapter of a recording is missing and no time tells how long
@@ -56,7 +65,8 @@ class RecordingTimes {
  private:
   bool Coincides(size_t clip) const;
   bool OverlapsTooFar(size_t clip) const;
-  bool FollowOneAnother() const;
+  std::optional<size_t> FirstApart() const;
+  std::string PlaceAfter(size_t clip) const;
   void PlaceCoinciding();
   void CheckChapters() const;
   double PauseAfter(size_t clip, double duration) const;
@@ -67,6 +77,7 @@ class RecordingTimes {
   std::vector<double> starts_;     // empty if unknown
   std::optional<size_t> guessed_;
   bool by_name_ = false;
+  std::string why_not_by_names_;
 };
 
 }  // namespace turnscale

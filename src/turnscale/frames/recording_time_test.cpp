@@ -67,7 +67,38 @@ TEST(RecordingTimes, YearsOfTwoDigitsCountWhereTheClipsFollowOneAnother) {
     EXPECT_EQ(Complaint(unknown), "") << second;
     const RecordingTimes created(clips, {Header(60, kMayNoon), Header(60, kMayNoon + 100)});
     EXPECT_DOUBLE_EQ(created.GapAfter(0, 60), 40) << second;
+    EXPECT_EQ(created.WhyNotByNames(), "") << second;
   }
+}
+
+TEST(RecordingTimes, TimesInNamesThatAreNotUsedAreNamed) {
+  const auto why = [](const std::string& first, const std::string& second) {
+    return RecordingTimes({first, second}, {Header(60), Header(60)}).WhyNotByNames();
+  };
+  EXPECT_EQ(why("230501_120000.mp4", "230501_120100.mp4"), "");
+  EXPECT_EQ(why("20230501_120000.mp4", "20230501_120100.mp4"), "");
+  EXPECT_EQ(why("a.mp4", "b.mp4"), "");
+  const std::string question = ": are the clips of one drive and one camera, in their order?";
+  EXPECT_EQ(why("d/230501_120000F.mp4", "d/230501_120000R.mp4"),
+            "the times in the names of the clips are not used, as 230501_120000R.mp4 begins 60.0 s before "
+            "230501_120000F.mp4 ends by them" +
+                question);
+  EXPECT_EQ(why("230501_120000.mp4", "230501_130100.mp4"),
+            "the times in the names of the clips are not used, as 230501_130100.mp4 begins 60 minutes after "
+            "230501_120000.mp4 ends by them" +
+                question);
+  EXPECT_EQ(why("20230501_120000.mp4", "b.mp4"), "the times in the names of the clips are not used, as b.mp4 has none");
+}
+
+TEST(RecorderTimeText, IsThatOfTheName) {
+  EXPECT_EQ(RecorderTimeText(kMayNoon), "2023-05-01T12:00:00");
+  EXPECT_EQ(RecorderTimeText(kMayNoon + 86399.9 - 12 * 3600), "2023-05-01T23:59:59");
+}
+
+TEST(RecordingTimes, TheFirstNameTellsWhenTheDriveBegins) {
+  EXPECT_EQ(RecordingTimes({"20230501_120000.mp4"}, {Header(60)}).Begin(), kMayNoon);
+  EXPECT_EQ(RecordingTimes({"230501_120000.mp4", "230501_120100.mp4"}, {Header(60), Header(60)}).Begin(), kMayNoon);
+  EXPECT_FALSE(RecordingTimes({"a.mp4"}, {Header(60, kMayNoon)}).Begin().has_value()) << "it may be that of the end";
 }
 
 TEST(RecordingTimes, APauseThatRoundingDoesNotExplainIsLikely) {
