@@ -247,6 +247,7 @@ TEST_F(ErrorsTest, ClipsAreOneDrive) {
   EXPECT_EQ(Summary()["clips"][1]["frames"], kRoomFrames - 12);
   EXPECT_NEAR(Summary()["clips"][1]["start_s"].get<double>(), 1.2, 1e-9);
   EXPECT_EQ(Summary()["missing"]["seconds"], 0);
+  EXPECT_EQ(Summary()["recorded_from"], "2023-05-01T12:00:00");
   const std::string trajectory = TextOf(Out() / "trajectory.tum");
 
   const std::string first = (clips / "20230501_120000.avi").string();

@@ -150,6 +150,16 @@ TEST_F(ExportTest, GpxWithoutTimesIsNamed) {
   EXPECT_EQ(TextOf(Path(".gpx")).find("<time>"), std::string::npos);
   EXPECT_EQ(out({"--gpx", "--start-time", "2026-03-22T07:14:05+01:00"}), "wrote    " + Path(".gpx") + "\n");
   EXPECT_EQ(out({"--kml"}), "wrote    " + Path(".kml") + "\n");
+  RunSummary summary;
+  summary.scale.state = ScaleState::kHeld;
+  summary.scale.path_sigma = 0.05;
+  summary.drive.given.recorded_from = "2023-05-01T12:00:00";
+  WriteSummary(summary);
+  EXPECT_EQ(out({"--gpx"}),
+            "times    GPX has none, as the time zone of the recorder is unknown: by the names of the clips, the drive "
+            "begins at 2023-05-01T12:00:00; give --start-time 2023-05-01T12:00:00 with the offset from UTC, such as "
+            "2023-05-01T12:00:00+01:00\nwrote    " +
+                Path(".gpx") + "\n");
 }
 
 TEST_F(ExportTest, ThePathIsNamedAfterTheFolderAlone) {

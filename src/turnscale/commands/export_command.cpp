@@ -124,6 +124,16 @@ std::optional<double> StartTime(const std::string& given, double first_time) {
   return time;
 }
 
+// The line that says so. `recorded_from`: ResultFolder's.
+std::string WhyWithoutTimes(const std::string& recorded_from) {
+  if (recorded_from.empty())
+    return "times    GPX has none, as the date and time of the drive are unknown; give --start-time\n";
+  return fmt::format(
+      "times    GPX has none, as the time zone of the recorder is unknown: by the names of the clips, the drive begins "
+      "at {0}; give --start-time {0} with the offset from UTC, such as {0}+01:00\n",
+      recorded_from);
+}
+
 // The middles of the turns.
 std::vector<LevelPlace> TurnsAlong(const std::vector<LevelPlace>& path, const std::vector<TurnResult>& turns) {
   std::vector<LevelPlace> middles;
@@ -162,8 +172,7 @@ std::vector<FileToWrite> MapFiles(const ExportArguments& arguments, const Result
   outcome.text += placed.text;
   if (!placed.warning.empty()) outcome.warnings.push_back(placed.warning);
   // The other formats have seconds of the drive instead.
-  if (arguments.gpx && !track.start_time)
-    outcome.text += "times    GPX has none, as the date and time of the drive are unknown; give --start-time\n";
+  if (arguments.gpx && !track.start_time) outcome.text += WhyWithoutTimes(results.recorded_from);
   std::vector<FileToWrite> files;
   if (arguments.gpx) files.push_back({".gpx", GpxText(track)});
   if (arguments.kml) files.push_back({".kml", KmlText(track)});

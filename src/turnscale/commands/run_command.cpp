@@ -18,6 +18,7 @@
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/commands/version.h"
+#include "turnscale/frames/recording_time.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/report/run_report.h"
@@ -116,6 +117,7 @@ RunInput GivenTo(const RunArguments& arguments, const DriveImages& images, const
   given.folder = arguments.out.string();
   given.start = arguments.images.start;
   given.end = arguments.images.end;
+  if (const std::optional<double>& from = images.source.RecordedFrom()) given.recorded_from = RecorderTimeText(*from);
   given.first_time = images.source.first_time();
   return given;
 }

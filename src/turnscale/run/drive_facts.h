@@ -32,6 +32,7 @@ struct RunInput {
   std::string folder;                       ///< of the results
   std::string start;                        ///< of the part that is processed, as the user gave it; empty: the drive's
   std::string end;                          ///< of the part; empty: the drive's
+  std::string recorded_from;                ///< when the drive begins by the recorder's clock; empty if it is unknown
   double first_time = 0;                    ///< of the drive's first frame, seconds; texts count from it
 };
 

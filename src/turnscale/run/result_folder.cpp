@@ -176,6 +176,8 @@ void ReadSummary(const fs::path& path, ResultFolder& results) {
                           std::ranges::all_of(angles, [](const auto& angle) { return angle.is_number(); });
   if (!is_summary) throw InputError(path.string() + ": is not a summary of a run");
   results.metric = member("distance_m").is_number();
+  if (const nlohmann::json recorded = member("recorded_from"); recorded.is_string())
+    results.recorded_from = recorded.get<std::string>();
   const nlohmann::json scale = member("scale");
   if (scale.is_object() && scale.value("known", nlohmann::json()).is_boolean())
     results.scale_known = scale["known"].get<bool>();

@@ -43,8 +43,11 @@ struct ResultFolder {
   double horizontal_fov = 0;
   double aspect = 0;
   bool poses_of_vehicle = false;  ///< of the rear axle (--frame vehicle), not of the camera
-  std::string summary;            ///< summary.json
-  std::string settings;           ///< settings.yaml
+  /// When the drive begins by the recorder's clock, whatever its time zone, such as 2023-05-01T12:00:00; empty if that
+  /// is not known.
+  std::string recorded_from;
+  std::string summary;   ///< summary.json
+  std::string settings;  ///< settings.yaml
   /// Rotation from the bodies of the poses to the car's axes; identity where poses of the car were written.
   Eigen::Quaterniond vehicle_from_body = Eigen::Quaterniond::Identity();
 

@@ -53,6 +53,7 @@ TEST_F(ResultFolderTest, ReadsWhatARunHasWritten) {
   turn.own = 0.25;
   turn.reason = "too fast, \"by far\"";
   RunSummary summary;
+  summary.drive.given.recorded_from = "2023-05-01T12:00:00";
   summary.drive.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, 0.05, -0.02});
   RunWriter writer({folder_});
   writer.WriteTrajectory(frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
@@ -83,6 +84,7 @@ TEST_F(ResultFolderTest, ReadsWhatARunHasWritten) {
   EXPECT_FALSE(read.rotations[0].sigma);
   ASSERT_EQ(read.landmarks.size(), 2u);
   EXPECT_EQ(read.landmarks[1], Eigen::Vector3f(4, 5, -6));
+  EXPECT_EQ(read.recorded_from, "2023-05-01T12:00:00");
   EXPECT_EQ(read.settings, "a: 1\n");
   EXPECT_LT(read.vehicle_from_body.angularDistance(summary.drive.vehicle.vehicle_from_camera), 1e-9);
 }

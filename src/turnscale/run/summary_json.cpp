@@ -181,6 +181,7 @@ std::string SummaryJson(const RunSummary& summary) {
        {{"start", given.start.empty() ? Json(nullptr) : Json(given.start)},
         {"end", given.end.empty() ? Json(nullptr) : Json(given.end)}}},
       {"first_frame_s", given.first_time},
+      {"recorded_from", given.recorded_from.empty() ? Json(nullptr) : Json(given.recorded_from)},
       {"clips", ClipsJson(drive.ending.clips)},
       {"camera", given.camera.empty() ? Json(nullptr) : Json(given.camera)},
       {"intrinsics", IntrinsicsJson(drive, scale.calibration_windows > 0)},
