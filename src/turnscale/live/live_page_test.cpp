@@ -89,6 +89,13 @@ TEST_F(LivePageTest, ShowsTheStateAndTheImage) {
   EXPECT_EQ(nlohmann::json::parse(client_.Get("/path.json")->body)["title"], "drive");
 }
 
+TEST_F(LivePageTest, ATotalThatIsExceededIsNoLongerShown) {
+  AddFrames(100);
+  EXPECT_EQ(State()["frames"], 100);
+  AddFrames(1);
+  EXPECT_EQ(State()["frames"], 0);
+}
+
 TEST_F(LivePageTest, ServesNothingElse) {
   for (const char* path : {"/index.html", "/etc/passwd", "/../../etc/passwd", "/%2e%2e/etc/passwd", "/report.html"})
     EXPECT_EQ(client_.Get(path)->status, 404) << path;

@@ -154,7 +154,7 @@ std::string LiveState::StateJson() {
       {"report", report_},
       {"warnings", warnings},
       {"frame", frames_done_},
-      {"frames", frames_},
+      {"frames", frames_done_ > frames_ ? 0 : frames_},
       {"rate", recent > 1 && span > 0 ? static_cast<double>(recent) / span : 0.0},
       {"keyframes", keyframes_},
       {"scaleState", ScaleStateName(latest_.scale_state)},

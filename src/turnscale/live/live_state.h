@@ -21,9 +21,10 @@ class LiveState {
   /// Browsers let pages in the background ask once a minute.
   static constexpr std::chrono::milliseconds kPauseKept{150'000};
 
-  /// `frames` are those expected, 0 if that is not known. `first_time` is that of the drive's first frame, seconds,
-  /// from which the page counts. A pause ends when nobody has asked for `pause_kept`: whoever paused has left. `report`
-  /// is the file of the report to come, for viewers who miss its arrival; empty: there will be none.
+  /// `frames` are those expected, 0 if that is not known; with more, they are no longer shown. `first_time` is that of
+  /// the drive's first frame, seconds, from which the page counts. A pause ends when nobody has asked for `pause_kept`:
+  /// whoever paused has left. `report` is the file of the report to come, for viewers who miss its arrival; empty:
+  /// there will be none.
   LiveState(std::string title, std::string version, int frames, double first_time, std::string report = "",
             std::chrono::milliseconds pause_kept = kPauseKept);
 
