@@ -16,7 +16,9 @@ namespace turnscale {
 namespace {
 
 // A direction is that of so many metres of the path: noise of the positions and of the car's pitching hardly count.
-constexpr double kLength = 1;
+constexpr double kLength = 1;  // m
+// The same where the unit is not known, in seconds at the speed of a car that moves.
+constexpr double kUsualSeconds = 0.2;
 constexpr double kLongest = 3;          // s
 constexpr double kLongestInterval = 1;  // s
 constexpr double kMostTurn = 40 / kDegreesPerRadian;
@@ -36,7 +38,19 @@ Eigen::Quaterniond WorldFromVehicle(const FrameResult& frame) {
   return frame.world_from_camera->rotation * frame.vehicle_from_camera.conjugate();
 }
 
-std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double lever_arm) {
+// While the car moves, in units of the poses per second; 0 where no two frames in sequence are measured.
+double MovingSpeed(const std::vector<FrameResult>& frames) {
+  // A car that waits for most of the drive has a speed of its own, too.
+  constexpr double kShare = 0.9;
+  std::vector<double> speeds;
+  for (size_t i = 1; i < frames.size(); ++i)
+    if (frames[i].is_measured() && frames[i - 1].is_measured())
+      speeds.push_back(DistanceBetween(frames[i - 1], frames[i]) / (frames[i].time - frames[i - 1].time));
+  return speeds.empty() ? 0 : Quantile(std::move(speeds), kShare);
+}
+
+// Each is that of a part of the path of this length or a little more. Both lengths are in the unit of the poses.
+std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double length, double lever_arm) {
   std::vector<Direction> directions;
   size_t first = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -46,7 +60,7 @@ std::vector<Direction> Directions(const std::vector<FrameResult>& frames, double
     }
     while (frames[i].time - frames[first].time > kLongest) ++first;
     const Eigen::Vector3d moved = RearAxle(frames[i], lever_arm).position - RearAxle(frames[first], lever_arm).position;
-    if (moved.norm() < kLength) continue;
+    if (moved.norm() < length) continue;
     const Eigen::Quaterniond begin = WorldFromVehicle(frames[first]);
     const Eigen::Quaterniond end = WorldFromVehicle(frames[i]);
     const Eigen::Vector3d ahead = begin.slerp(0.5, end).conjugate() * moved.normalized();
@@ -82,8 +96,11 @@ double LengthBetween(const std::vector<FrameResult>& frames, double from, double
 }  // namespace
 
 std::vector<ImpossibleDirection> FindImpossibleDirections(const std::vector<FrameResult>& frames, double lever_arm) {
-  if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return {};
-  const std::vector<Direction> directions = Directions(frames, lever_arm);
+  if (frames.empty()) return {};
+  const bool is_metric = frames.back().scale_state != ScaleState::kPending;
+  const double length = is_metric ? kLength : kUsualSeconds * MovingSpeed(frames);
+  if (!(length > 0)) return {};
+  const std::vector<Direction> directions = Directions(frames, length, is_metric ? lever_arm : 0);
   if (directions.empty()) return {};
   const auto ahead_from_usual =
       Eigen::Quaterniond::FromTwoVectors(UsualDirection(directions), Eigen::Vector3d::UnitZ());
@@ -102,27 +119,30 @@ std::vector<ImpossibleDirection> FindImpossibleDirections(const std::vector<Fram
     part.up = up;
     part.aside = aside;
   }
-  for (ImpossibleDirection& part : parts) part.distance = LengthBetween(frames, part.from, part.to);
+  if (is_metric)
+    for (ImpossibleDirection& part : parts) part.distance = LengthBetween(frames, part.from, part.to);
   return parts;
 }
 
 std::string ImpossibleDirectionText(const std::vector<ImpossibleDirection>& parts, double first_time) {
   if (parts.empty()) return {};
-  const auto longest = std::ranges::max_element(parts, {}, &ImpossibleDirection::distance);
+  const auto longest = std::ranges::max_element(
+      parts, {}, [](const ImpossibleDirection& part) { return part.distance ? *part.distance : part.to - part.from; });
   const bool is_steep = std::abs(longest->up) / kMostUp > std::abs(longest->aside) / kMostAside;
   const double angle = is_steep ? longest->up : longest->aside;
   const char* way = is_steep ? (angle > 0 ? "upwards" : "downwards") : (angle > 0 ? "to the right" : "to the left");
   return fmt::format(
-      "the path goes {:.0f} degrees {} as seen from the car ({}from {:.1f} to {:.1f} s, {:.0f} m), as no car drives: "
+      "the path goes {:.0f} degrees {} as seen from the car ({}from {:.1f} to {:.1f} s{}), as no car drives: "
       "probably a vehicle was tracked instead of the scene; look at the video there, and leave that part out (--start, "
       "--end) if what follows is tilted or rotated",
       InDegrees(std::abs(angle)), way, parts.size() > 1 ? fmt::format("{} places, the longest ", parts.size()) : "",
-      longest->from - first_time, longest->to - first_time, longest->distance);
+      longest->from - first_time, longest->to - first_time,
+      longest->distance ? fmt::format(", {:.0f} m", *longest->distance) : "");
 }
 
 double LengthErrorOf(const std::vector<ImpossibleDirection>& parts) {
   double sum = 0;
-  for (const ImpossibleDirection& part : parts) sum += part.distance;
+  for (const ImpossibleDirection& part : parts) sum += part.distance.value_or(0);
   return sum;
 }
 

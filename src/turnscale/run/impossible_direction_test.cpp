@@ -64,9 +64,29 @@ TEST(ImpossibleDirection, IsAPartThatLeavesTheRoad) {
   EXPECT_NEAR(LengthErrorOf(parts), 3 * kSpeed, 1.5);
   const std::string text = ImpossibleDirectionText(parts, 10);
   EXPECT_NE(text.find("the path goes 34 degrees upwards as seen from the car (from 10."), std::string::npos) << text;
-  for (FrameResult& frame : frames) frame.scale_state = ScaleState::kPending;
-  EXPECT_TRUE(FindImpossibleDirections(frames, kLeverArm).empty());
+  EXPECT_NE(text.find(" m)"), std::string::npos) << text;
   EXPECT_EQ(ImpossibleDirectionText({}), "");
+}
+
+TEST(ImpossibleDirection, IsKnownUpToScale) {
+  constexpr double kMetresPerUnit = 7;
+  auto frames = DriveBy(60, [](double time) {
+    return Way{.up = time > 40 && time < 43 ? 0.6 : 0, .speed = time > 5 && time < 35 ? 0.001 : kSpeed};
+  });
+  for (FrameResult& frame : frames) {
+    frame.scale_state = ScaleState::kPending;
+    frame.world_from_camera->translation /= kMetresPerUnit;
+  }
+  const std::vector<ImpossibleDirection> parts = FindImpossibleDirections(frames, kLeverArm);
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_NEAR(parts[0].from, 40, 0.3);
+  EXPECT_NEAR(parts[0].to, 43, 0.3);
+  EXPECT_FALSE(parts[0].distance);
+  EXPECT_EQ(LengthErrorOf(parts), 0);
+  const std::string text = ImpossibleDirectionText(parts);
+  EXPECT_NE(text.find(" s), as no car drives"), std::string::npos) << text;
+  for (FrameResult& frame : frames) frame.world_from_camera->translation.setZero();
+  EXPECT_TRUE(FindImpossibleDirections(frames, kLeverArm).empty()) << "it does not move";
 }
 
 TEST(ImpossibleDirection, IsSideways) {
