@@ -35,6 +35,8 @@ constexpr int kReweightings = 20;
 // Standard deviation of what a distortion beyond its first radial term does to the focal length (relative), the
 // principal point (in focal lengths) and the correction, as a share of the correction.
 constexpr double kHigherTerms = 0.15;
+// Standard deviation of what the linear model gets wrong of a change of the aspect, as a share of it.
+constexpr double kNonlinearAspect = 0.25;
 // From one look to the next, at most, in halves of a window.
 constexpr int kLongestInterval = 8;
 
@@ -52,13 +54,15 @@ Eigen::Vector2d CentreShift(const Pinhole& pinhole, double degrees) {
   return {pinhole.fx * radians, pinhole.fy * radians};
 }
 
+auto HigherTerms(const Vector& change) { return change.segment<kHigherTermsOfLens>(IntrinsicsChange::kCorrection4); }
+
 // Share of a step that stays within what the linear model is good for.
 double ShareOf(const Vector& step, const Pinhole& pinhole) {
   const double longest = std::max({std::abs(step[IntrinsicsChange::kLogFocal]) / kLongestFocalStep,
                                    std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * pinhole.fx),
                                    std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * pinhole.fy),
                                    std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep,
-                                   step.tail<kHigherTermsOfLens>().cwiseAbs().maxCoeff() / kLongestHigherStep});
+                                   HigherTerms(step).cwiseAbs().maxCoeff() / kLongestHigherStep});
   return 1.0 / std::max(1.0, longest);
 }
 
@@ -93,10 +97,15 @@ double AppliedCorrection(const CameraModel& camera) {
   return weights > 0 ? sum / weights : camera.radial_correction;
 }
 
+// Nothing is known of these entries.
+void Ignore(IntrinsicsChange::Entry first, int count, Matrix& information, Vector& vector) {
+  information.middleRows(first, count).setZero();
+  information.middleCols(first, count).setZero();
+  vector.segment(first, count).setZero();
+}
+
 void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
-  evidence.information.bottomRows<kHigherTermsOfLens>().setZero();
-  evidence.information.rightCols<kHigherTermsOfLens>().setZero();
-  evidence.gradient.tail<kHigherTermsOfLens>().setZero();
+  Ignore(IntrinsicsChange::kCorrection4, kHigherTermsOfLens, evidence.information, evidence.gradient);
 }
 
 }  // namespace
@@ -114,15 +123,20 @@ void CalibrationCheckOptions::Check() const {
   Require(centre_prior_sigma_deg > 0, "centre_prior_sigma_deg: has to be positive");
   Require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
   Require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
+  Require(aspect_prior_sigma > 0, "aspect_prior_sigma: has to be positive");
+  Require(readout_prior_sigma > 0, "readout_prior_sigma: has to be positive");
   Require(focal_window_sigma >= 0, "focal_window_sigma: must not be negative");
   Require(centre_window_sigma_deg >= 0, "centre_window_sigma_deg: must not be negative");
   Require(correction_window_sigma >= 0, "correction_window_sigma: must not be negative");
   Require(focal_model_sigma >= 0, "focal_model_sigma: must not be negative");
   Require(centre_model_sigma_deg >= 0, "centre_model_sigma_deg: must not be negative");
   Require(correction_model_sigma >= 0, "correction_model_sigma: must not be negative");
+  Require(aspect_model_sigma >= 0, "aspect_model_sigma: must not be negative");
   Require(min_focal_error >= 0, "min_focal_error: must not be negative");
   Require(min_centre_error_deg >= 0, "min_centre_error_deg: must not be negative");
   Require(min_correction_error >= 0, "min_correction_error: must not be negative");
+  Require(min_aspect_error >= 0, "min_aspect_error: must not be negative");
+  Require(min_readout >= 0, "min_readout: must not be negative");
   Require(significance > 0, "significance: has to be positive");
 }
 
@@ -161,17 +175,18 @@ bool CalibrationCheck::Observe(const Map& map) {
   return window && Read(*window);
 }
 
-Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
-                                    double higher_sigma) const {
-  const Eigen::Vector2d centre = CentreShift(given_, centre_sigma_deg);
-  Vector sigmas;
-  sigmas << focal_sigma, centre.x(), centre.y(), correction_sigma, higher_sigma, higher_sigma;
-  return sigmas.array().square().matrix().asDiagonal();
+Matrix CalibrationCheck::Covariance(const Sigmas& sigmas) const {
+  const Eigen::Vector2d centre = CentreShift(given_, sigmas.centre_deg);
+  Vector all;
+  all << sigmas.focal, centre.x(), centre.y(), sigmas.correction, sigmas.higher, sigmas.higher, sigmas.aspect,
+      sigmas.readout;
+  return all.array().square().matrix().asDiagonal();
 }
 
 CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, const Vector& weighted_minimum) const {
-  const Matrix window =
-      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma, 0.0);
+  const Matrix window = Covariance({.focal = options_.focal_window_sigma,
+                                    .centre_deg = options_.centre_window_sigma_deg,
+                                    .correction = options_.correction_window_sigma});
   // (information^-1 + window)^-1, where information may be singular.
   const Matrix share = (Matrix::Identity() + information * window).inverse();
   return {share * information, share * weighted_minimum};
@@ -181,6 +196,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
+  const bool is_rolling = known.change[IntrinsicsChange::kReadout] != 0;
   // The first window begins with the correction that is applied.
   if (!windows_.empty()) window.Change(known.change);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
@@ -190,44 +206,79 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return std::nullopt;
     if (options_.higher_prior_sigma == 0) IgnoreHigherTerms(*evidence);
+    const Reading reading = Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
+    Ignore(IntrinsicsChange::kLogAspect, 1, evidence->information, evidence->gradient);
+    if (!is_rolling) Ignore(IntrinsicsChange::kReadout, 1, evidence->information, evidence->gradient);
     const Matrix total = deflation * evidence->information + known_information;
     const Vector slope = deflation * evidence->gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);
     if (!step.allFinite()) return std::nullopt;
-    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
-      return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
+    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep) return reading;
     window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
 
 IntrinsicsEstimate CalibrationCheck::Estimate() const {
+  IntrinsicsEstimate estimate = EstimateWithout({IntrinsicsChange::kLogAspect});
+  const double readout = std::abs(estimate.change[IntrinsicsChange::kReadout]);
+  const double variance = estimate.covariance(IntrinsicsChange::kReadout, IntrinsicsChange::kReadout);
+  if (readout > options_.min_readout && readout > options_.significance * std::sqrt(variance)) return estimate;
+  return EstimateWithout({IntrinsicsChange::kLogAspect, IntrinsicsChange::kReadout});
+}
+
+std::optional<ShutterReadout> CalibrationCheck::Readout() const {
+  constexpr int kEntry = IntrinsicsChange::kReadout;
+  const IntrinsicsEstimate estimate = Estimate();
+  if (estimate.change[kEntry] == 0) return std::nullopt;
+  return ShutterReadout{estimate.change[kEntry], std::sqrt(estimate.covariance(kEntry, kEntry))};
+}
+
+ParameterEstimate CalibrationCheck::Aspect() const {
+  const IntrinsicsEstimate estimate = EstimateWithout({});
+  const double given = given_.fy / given_.fx;
+  const double change = estimate.change[IntrinsicsChange::kLogAspect];
+  const double variance = estimate.covariance(IntrinsicsChange::kLogAspect, IntrinsicsChange::kLogAspect);
+  const double sigma = std::hypot(std::sqrt(variance), kNonlinearAspect * change);
+  const double found = given * std::exp(change);
+  return {IntrinsicsParameter::kPixelAspect, given, found, found * sigma};
+}
+
+IntrinsicsEstimate CalibrationCheck::EstimateWithout(const std::vector<IntrinsicsChange::Entry>& held) const {
+  std::vector<Reading> windows = windows_;
+  for (Reading& reading : windows)
+    for (const IntrinsicsChange::Entry entry : held) Ignore(entry, 1, reading.information, reading.weighted_minimum);
   // Terms that are not estimated stay at zero, as nothing refers to them.
   const Matrix prior_covariance =
-      Covariance(options_.focal_prior_sigma, options_.centre_prior_sigma_deg, options_.correction_prior_sigma,
-                 options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0);
+      Covariance({.focal = options_.focal_prior_sigma,
+                  .centre_deg = options_.centre_prior_sigma_deg,
+                  .correction = options_.correction_prior_sigma,
+                  .higher = options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0,
+                  .aspect = options_.aspect_prior_sigma,
+                  .readout = options_.readout_prior_sigma});
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
   estimate.change = expected_;
   estimate.covariance = prior_covariance;
-  if (windows_.empty()) return estimate;
-  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0);
-  const auto count = static_cast<double>(windows_.size());
-  std::vector<double> weights(windows_.size(), 1.0);
+  if (windows.empty()) return estimate;
+  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0) -
+                         static_cast<double>(held.size());
+  const auto count = static_cast<double>(windows.size());
+  std::vector<double> weights(windows.size(), 1.0);
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
     Matrix information = prior;
     Vector weighted = prior * expected_;
-    for (size_t i = 0; i < windows_.size(); ++i) {
-      information += weights[i] * windows_[i].information;
-      weighted += weights[i] * windows_[i].weighted_minimum;
+    for (size_t i = 0; i < windows.size(); ++i) {
+      information += weights[i] * windows[i].information;
+      weighted += weights[i] * windows[i].weighted_minimum;
     }
     estimate.covariance = information.inverse();
     estimate.change = estimate.covariance * weighted;
     double sum = 0;
-    for (size_t i = 0; i < windows_.size(); ++i) {
+    for (size_t i = 0; i < windows.size(); ++i) {
       // How far the window's own minimum lies from the common one, in its sigmas.
-      const Vector pull = windows_[i].weighted_minimum - windows_[i].information * estimate.change;
-      const double square = pull.dot(windows_[i].information.ldlt().solve(pull));
+      const Vector pull = windows[i].weighted_minimum - windows[i].information * estimate.change;
+      const double square = pull.dot(windows[i].information.ldlt().solve(pull));
       sum += weights[i] * square;
       // The common minimum follows each window's own: alone, a window says nothing of how far off it is.
       if (count > 1) weights[i] = (kStudentDof + entries) / (kStudentDof + square * count / (count - 1));
@@ -238,9 +289,11 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   // A lens that distorts much has more to it than the first radial term.
   const double unmodelled =
       options_.higher_prior_sigma > 0 ? 0.0 : kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
-  estimate.covariance += Covariance(std::hypot(options_.focal_model_sigma, unmodelled),
-                                    std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
-                                    std::hypot(options_.correction_model_sigma, unmodelled), 0.0);
+  estimate.covariance +=
+      Covariance({.focal = std::hypot(options_.focal_model_sigma, unmodelled),
+                  .centre_deg = std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
+                  .correction = std::hypot(options_.correction_model_sigma, unmodelled),
+                  .aspect = options_.aspect_model_sigma});
   return estimate;
 }
 
@@ -249,20 +302,20 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
   Vector distortion = WeightsOfDistortion(given_);
-  if (options_.higher_prior_sigma == 0) distortion.tail<kHigherTermsOfLens>().setZero();
+  if (options_.higher_prior_sigma == 0)
+    distortion.segment<kHigherTermsOfLens>(IntrinsicsChange::kCorrection4).setZero();
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
           {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
-           std::sqrt(distortion.dot(estimate.covariance * distortion))}};
+           std::sqrt(distortion.dot(estimate.covariance * distortion))},
+          Aspect()};
 }
 
-std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
-  std::vector<ParameterEstimate> contradictions;
-  if (windows_.empty()) return contradictions;
+bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {
   const Eigen::Vector2d centre = CentreShift(given_, options_.min_centre_error_deg);
-  const auto matters = [&](IntrinsicsParameter parameter) {
-    switch (parameter) {
+  const auto least = [&] {
+    switch (estimate.parameter) {
       case IntrinsicsParameter::kFocalLength:
         return given_.fx * options_.min_focal_error;
       case IntrinsicsParameter::kCentreX:
@@ -271,14 +324,19 @@ std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraMode
         return centre.y();
       case IntrinsicsParameter::kDistortion:
         return options_.min_correction_error;
+      case IntrinsicsParameter::kPixelAspect:
+        return estimate.given * options_.min_aspect_error;
     }
     return 0.0;
   };
-  for (const ParameterEstimate& estimate : Parameters(camera)) {
-    const double error = std::abs(estimate.found - estimate.given);
-    if (error > matters(estimate.parameter) && error > options_.significance * estimate.sigma)
-      contradictions.push_back(estimate);
-  }
+  const double error = std::abs(estimate.found - estimate.given);
+  return error > least() && error > options_.significance * estimate.sigma;
+}
+
+std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
+  if (windows_.empty()) return {};
+  std::vector<ParameterEstimate> contradictions = Parameters(camera);
+  std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
   return contradictions;
 }
 

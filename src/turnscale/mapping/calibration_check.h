@@ -40,6 +40,12 @@ struct CalibrationCheckOptions {
   /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal
   /// length.
   double higher_prior_sigma = 0.1;
+  /// Width of a pixel over its height, relative: anamorphic video without its tag. It is tested beside the others,
+  /// which are estimated as if it were right.
+  double aspect_prior_sigma = 0.3;
+  /// Seconds in which a rolling shutter reads the image. In turns it shears the image, which looks like another
+  /// principal point. Counts as 0 unless it exceeds `min_readout` and `significance`.
+  double readout_prior_sigma = 0.02;
 
   // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial
   // distortion), standard deviations. Windows of KITTI scatter by as much.
@@ -51,26 +57,37 @@ struct CalibrationCheckOptions {
   double focal_model_sigma = 0.007;     ///< relative
   double centre_model_sigma_deg = 0.2;  ///< degrees
   double correction_model_sigma = 0.003;
+  double aspect_model_sigma = 0.01;  ///< relative
 
   // A contradiction is reported from these errors on, when it also exceeds `significance` standard deviations.
   double min_focal_error = 0.03;      ///< relative
   double min_centre_error_deg = 0.8;  ///< degrees
   double min_correction_error = 0.01;
+  double min_aspect_error = 0.05;  ///< relative
+  double min_readout = 0.004;      ///< seconds
   double significance = 3.0;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion };
+enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion, kPixelAspect };
 
 /// One parameter as given and as estimated from the drive: focal length fx and principal point in pixels, the
 /// distortion as the radial correction that the calibration lacks, with one term in r^2: the one that is closest to the
-/// estimated correction over the image. What counts as given of it is the correction that is applied.
+/// estimated correction over the image. What counts as given of it is the correction that is applied. The aspect is the
+/// width of a pixel over its height, fy / fx.
 struct ParameterEstimate {
   IntrinsicsParameter parameter = IntrinsicsParameter::kFocalLength;
   double given = 0;
   double found = 0;
+  double sigma = 0;
+};
+
+/// How long a rolling shutter takes from the top to the bottom row of the image, seconds; below 0 if it begins at the
+/// bottom.
+struct ShutterReadout {
+  double seconds = 0;
   double sigma = 0;
 };
 
@@ -106,11 +123,19 @@ class CalibrationCheck {
   double observed_radius() const { return observed_radius_; }
   /// Whether as many windows were read as there may be: no more are.
   bool IsComplete() const { return windows() >= options_.max_windows; }
-  /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
+  /// The estimate from drive and prior; sigmas include the scatter of windows and their common error. The pixels'
+  /// aspect stays as given.
   IntrinsicsEstimate Estimate() const;
+  /// The pixels' aspect, whatever the other parameters are: linear in them, so that a small part of a large error
+  /// remains.
+  ParameterEstimate Aspect() const;
+  /// Empty if the images show none.
+  std::optional<ShutterReadout> Readout() const;
   /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `camera`: that
   /// of the windows, with the radial correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
+  /// Whether what was found is worth a report, and significant.
+  bool Contradicts(const ParameterEstimate& estimate) const;
   /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
 
@@ -120,8 +145,18 @@ class CalibrationCheck {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
   };
-  IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
-                                      double higher_sigma) const;
+  /// With these entries as given.
+  IntrinsicsEstimate EstimateWithout(const std::vector<IntrinsicsChange::Entry>& held) const;
+  /// Standard deviations, as in the options.
+  struct Sigmas {
+    double focal = 0;
+    double centre_deg = 0;
+    double correction = 0;
+    double higher = 0;
+    double aspect = 0;
+    double readout = 0;
+  };
+  IntrinsicsChange::Matrix Covariance(const Sigmas& sigmas) const;
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/calibration_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "turnscale/base/refused_field.h"
 #include "turnscale/base/test_seeds.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 #include "turnscale/mapping/test_intrinsics.h"
 
@@ -21,9 +23,12 @@ const std::vector<DriveSegment> kStreet = {{60, 0.8, 0}};
 
 // A drive read with a calibration that is off by `error`: to be right, the pinhole has to change by minus that, and
 // pixels want error[kCorrection] as correction.
-Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, double noise, unsigned seed) {
-  const CarDrive drive = MakeCarDrive(segments, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
-  Map map = MakeMap(drive, {.points_per_step = 25, .pixel_noise = noise, .seed = seed});
+Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, double noise, unsigned seed,
+             const Eigen::Quaterniond& vehicle_from_camera = Eigen::Quaterniond::Identity()) {
+  const CarDrive drive = MakeCarDrive(segments, 0.1, {1.2, 0}, vehicle_from_camera);
+  Map map = MakeMap(
+      drive,
+      {.points_per_step = 25, .pixel_noise = noise, .seed = seed, .readout = -error[IntrinsicsChange::kReadout]});
   const Pinhole truth = map.camera.pinhole;
   map.camera.pinhole = ChangedPinhole(truth, error);
   const auto seen_through_lens = [&](const Eigen::Vector2d& pixel) {
@@ -85,6 +90,47 @@ TEST(CalibrationCheck, TellsALensFromAFocalLength) {
   EXPECT_TRUE(check.Contradictions(WithCorrection(0.015)).empty()) << "applied";
 }
 
+// Looks down on the road: about a vertical axis in the image, a scene of another height turns alike.
+const Eigen::Quaterniond kPitched = RotationFromYawPitchRoll({0, -0.2, 0.05});
+
+TEST(CalibrationCheck, FindsPixelsThatAreNotSquare) {
+  for (const double aspect : {0.75, 1.33}) {
+    Vector error = Vector::Zero();
+    error[IntrinsicsChange::kLogAspect] = -std::log(aspect);
+    const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4, kPitched));
+    const ParameterEstimate found = check.Aspect();
+    EXPECT_NEAR(found.given, 1 / aspect, 1e-9);
+    EXPECT_NEAR(found.found, 1, 2 * found.sigma) << aspect;
+    EXPECT_LT(std::abs(found.found - 1), 0.4 * std::abs(found.given - 1)) << aspect;
+    EXPECT_TRUE(check.Contradicts(found)) << aspect;
+    EXPECT_TRUE(std::ranges::any_of(check.Contradictions(WithCorrection()), [](const ParameterEstimate& estimate) {
+      return estimate.parameter == IntrinsicsParameter::kPixelAspect;
+    })) << aspect;
+  }
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kLogAspect] = 0.2;
+  const CalibrationCheck level = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4));
+  EXPECT_GT(level.Aspect().sigma, 0.1) << "such a turn does not show it";
+  EXPECT_FALSE(level.Contradicts(level.Aspect()));
+}
+
+TEST(CalibrationCheck, ARollingShutterIsNoOtherCamera) {
+  for (const double readout : {0.025, -0.025}) {
+    Vector error = Vector::Zero();
+    error[IntrinsicsChange::kReadout] = -readout;
+    const Map map = WrongMap(kRightAndLeft, error, 0.3, 4);
+    const CalibrationCheck check = CheckAlong(map);
+    EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << readout;
+    ASSERT_TRUE(check.Readout());
+    EXPECT_NEAR(check.Readout()->seconds, readout, 0.002);
+    EXPECT_LT(check.Readout()->sigma, 0.002);
+    EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kCentreY], 0, 2);
+    CalibrationCheckOptions global;
+    global.readout_prior_sigma = 1e-6;
+    EXPECT_FALSE(CheckAlong(map, global).Contradictions(WithCorrection()).empty()) << "it has to be estimated";
+  }
+}
+
 TEST(CalibrationCheck, FindsAMissingDistortion) {
   // A barrel needs a positive correction.
   for (const double distortion : {0.25, -0.08}) {
@@ -102,6 +148,7 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
         CheckAlong(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, static_cast<unsigned>(seed)));
     EXPECT_GT(check.windows(), 1);
     EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << seed;
+    EXPECT_FALSE(check.Readout()) << seed;
     for (const ParameterEstimate& estimate : check.Parameters(WithCorrection()))
       EXPECT_LT(std::abs(estimate.found - estimate.given), 2.5 * estimate.sigma) << seed;
   }
@@ -137,7 +184,7 @@ TEST(CalibrationCheck, HigherTermsOfTheLensAreNoFocalLength) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0, 0.006) << seed;
-    const double applied = check.Parameters(WithCorrection()).back().found;
+    const double applied = check.Parameters(WithCorrection())[3].found;
     EXPECT_TRUE(check.Contradictions(WithCorrection(applied)).empty()) << seed;
     CalibrationCheckOptions only_square;
     only_square.higher_prior_sigma = 0;
@@ -153,7 +200,7 @@ TEST(CalibrationCheck, ADistortionCountsByWhatItDoesInTheImage) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_GT(check.windows(), 0);
-    const ParameterEstimate distortion = check.Parameters(WithCorrection()).back();
+    const ParameterEstimate distortion = check.Parameters(WithCorrection())[3];
     // Of the two, that in r^4 alone is ten sigmas; the others cancel to two or three.
     if (r2 == 0) {
       EXPECT_EQ(check.Contradictions(WithCorrection()).size(), 1U);
@@ -174,7 +221,7 @@ TEST(CalibrationCheck, WhatIsAppliedIsStatedAsWhatIsFound) {
     CameraModel camera = WithCorrection(correction);
     camera.lens = LensModel::kRadialTangential;
     camera.distortion[0] = k1;
-    return check.Parameters(camera).back().given;
+    return check.Parameters(camera)[3].given;
   };
   EXPECT_NEAR(given(0.05, 0), 0.05, 1e-12);
   EXPECT_EQ(given(0, -0.2), 0);

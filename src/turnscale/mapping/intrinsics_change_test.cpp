@@ -34,7 +34,7 @@ TEST(IntrinsicsChange, TheFocalLengthsChangeByOneFactorAndTheCentreByPixels) {
   Vector change = ChangeOf(IntrinsicsChange::kLogFocal, std::log(1.25));
   change[IntrinsicsChange::kCentreX] = 4;
   change[IntrinsicsChange::kCentreY] = -3;
-  change.tail<3>().setConstant(0.1);
+  change.segment<3>(IntrinsicsChange::kCorrection).setConstant(0.1);
   const Pinhole changed = ChangedPinhole(given, change);
   EXPECT_NEAR(changed.fx, 1.25 * 718, 1e-9);
   EXPECT_NEAR(changed.fy, 1.25 * 702, 1e-9);
@@ -61,7 +61,7 @@ TEST(IntrinsicsChange, TheCorrectionMovesARayByItsTermsInTheDistortedRadius) {
     const Eigen::Vector2d distorted = {0.5, -0.3};
     const Eigen::Vector2d pixel = camera.pinhole.Project(distorted.homogeneous());
     Vector change = Vector::Zero();
-    change.tail<3>() << 0.03, -0.02, 0.01;
+    change.segment<3>(IntrinsicsChange::kCorrection) << 0.03, -0.02, 0.01;
     const double square = distorted.squaredNorm();
     const double share = 0.03 * square - 0.02 * square * square + 0.01 * square * square * square;
     const CorrectedPixel corrected = *Correct(camera, change, pixel);
@@ -106,7 +106,7 @@ TEST(IntrinsicsChange, TheDerivativeOfARayIsTheNumericOne) {
   for (const LensModel lens : kLenses) {
     const CameraModel camera = CameraWith(lens);
     Vector change;
-    change << 0.05, 10, -8, 0.03, -0.02, 0.01;
+    change << 0.05, 10, -8, 0.03, -0.02, 0.01, 0.04, 0;
     const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
     const Eigen::Vector2d distorted(0.4, -0.2);
     const auto ray = [&](const Eigen::Vector2d& point) -> Eigen::Vector2d {
@@ -130,15 +130,18 @@ TEST(IntrinsicsChange, TheDerivativeByTheIntrinsicsIsTheNumericOne) {
     for (int trial = 0; trial < 20; ++trial) {
       Vector at;
       at << 0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random),
-          0.01 * normal(random), 0.01 * normal(random);
+          0.01 * normal(random), 0.01 * normal(random), 0.1 * normal(random), 0.01 * normal(random);
       const Eigen::Vector2d ray = DrawVector<2>([&] { return normal(random); });
       const Eigen::Vector3d x(std::clamp(ray.x(), -1.5, 1.5), 0.3 * ray.y(), 3);
       const Eigen::Vector2d distorted = *camera.Project(x) + 5 * DrawVector<2>([&] { return normal(random); });
+      const Eigen::Vector2d row_motion(40, -7);
       const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
-        return ChangedPinhole(camera.pinhole, change).Project(x) - Correct(camera, change, distorted)->pixel;
+        return ChangedPinhole(camera.pinhole, change).Project(x) + change[IntrinsicsChange::kReadout] * row_motion -
+               Correct(camera, change, distorted)->pixel;
       };
       const Pinhole pinhole = ChangedPinhole(camera.pinhole, at);
-      const auto J = IntrinsicsJacobian(pinhole, x, pinhole.Ray(distorted).head<2>(), *Correct(camera, at, distorted));
+      const auto J =
+          IntrinsicsJacobian(pinhole, x, pinhole.Ray(distorted).head<2>(), *Correct(camera, at, distorted), row_motion);
       for (int i = 0; i < IntrinsicsChange::kEntries; ++i) {
         const Vector h = 1e-5 * Vector::Unit(i);
         const Eigen::Vector2d numeric = (residual(at + h) - residual(at - h)) / 2e-5;

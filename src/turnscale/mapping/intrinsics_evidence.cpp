@@ -119,24 +119,44 @@ std::optional<Prediction> Predict(const CameraModel& camera, const Vector& chang
   return std::nullopt;
 }
 
+// Derivative of the pixel by the point in the camera's frame.
+Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x) {
+  Eigen::Matrix<double, 2, 3> by_x;
+  by_x << pinhole.fx / x.z(), 0, -pinhole.fx * x.x() / (x.z() * x.z()),  //
+      0, pinhole.fy / x.z(), -pinhole.fy * x.y() / (x.z() * x.z());
+  return by_x;
+}
+
+// How far a landmark moves in the image while its row waits, at the speed between the keyframes before and after:
+// pixels per second of the readout. The time of the image is that of its middle row.
+Eigen::Vector2d RowMotion(const Map& map, const IntrinsicsWindow& window, const CameraModel& camera, int keyframe,
+                          const Eigen::Vector3d& position, double row) {
+  const Keyframe& before = map.keyframes[std::max(keyframe - 1, window.first)];
+  const Keyframe& after = map.keyframes[std::min(keyframe + 1, window.last)];
+  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
+  if (camera.height == 0 || !(after.time > before.time) || !IsInFront(x)) return Eigen::Vector2d::Zero();
+  const Eigen::Vector3d speed =
+      (after.camera_from_world * position - before.camera_from_world * position) / (after.time - before.time);
+  const double share = (row - 0.5 * (camera.height - 1)) / camera.height;
+  return share * (ProjectionJacobian(camera.pinhole, x) * speed);
+}
+
 // The row of a landmark at `x` in the camera's frame. Residuals are those of the distorted image: the correction does
 // not scale their noise. Derivatives are taken at the predicted pixel: those at the measured one are correlated with
 // its noise, which biases the correction.
 IntrinsicsRow MakeRow(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x,
-                      const Prediction& predicted, const Eigen::Vector2d& distorted, double pixel_sigma,
-                      double huber_threshold) {
+                      const Prediction& predicted, const Eigen::Vector2d& distorted, const Eigen::Vector2d& row_motion,
+                      double pixel_sigma, double huber_threshold) {
   const double weight = 1 / pixel_sigma;
   IntrinsicsRow row;
   row.residual = weight * (predicted.distorted - distorted);
   const double length = row.residual.norm();
   const double root_weight =
       huber_threshold > 0 && length > huber_threshold ? std::sqrt(huber_threshold / length) : 1.0;
-  Eigen::Matrix<double, 2, 3> by_x;
-  by_x << pinhole.fx / x.z(), 0, -pinhole.fx * x.x() / (x.z() * x.z()),  //
-      0, pinhole.fy / x.z(), -pinhole.fy * x.y() / (x.z() * x.z());
+  const Eigen::Matrix<double, 2, 3> by_x = ProjectionJacobian(pinhole, x);
   row.pose << -by_x * Skew(x), by_x * rotation;
   const Eigen::Vector2d distorted_point = pinhole.Ray(predicted.distorted).head<2>();
-  row.intrinsics = IntrinsicsJacobian(pinhole, x, distorted_point, predicted.corrected);
+  row.intrinsics = IntrinsicsJacobian(pinhole, x, distorted_point, predicted.corrected, row_motion);
   row.residual *= root_weight;
   const Eigen::Matrix2d by_ideal = root_weight * weight * predicted.jacobian;
   row.pose = by_ideal * row.pose;
@@ -164,6 +184,8 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
       if (!distorted || !UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>())) continue;
       bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
+      row_motion_.push_back(
+          RowMotion(map, window, camera, seen.keyframe, map.landmarks[track.landmark].position, distorted->y()));
       stretch_.push_back(1);
     }
   }
@@ -190,7 +212,8 @@ void IntrinsicsProblem::Change(const Vector& change) {
     for (size_t i = first; i < last; ++i) {
       const std::optional<CorrectedPixel>& corrected = corrected_[i] = Correct(camera_, change, distorted_[i]);
       // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
-      bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
+      const Eigen::Vector2d waited = change[IntrinsicsChange::kReadout] * row_motion_[i];
+      bundle_.observations[i].pixel = corrected ? corrected->pixel - waited : distorted_[i];
       // Root mean square over all directions.
       if (corrected) stretch_[i] = std::sqrt(0.5 * corrected->jacobian.squaredNorm());
       bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
@@ -240,10 +263,12 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() const {
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x) || !corrected_[i]) continue;
       const std::optional<Prediction> predicted =
-          Predict(camera_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
+          Predict(camera_, change_, bundle_.pinhole,
+                  bundle_.pinhole.Project(x) + change_[IntrinsicsChange::kReadout] * row_motion_[i], distorted_[i],
+                  *corrected_[i]);
       if (!predicted) continue;
-      rows.push_back(MakeRow(bundle_.pinhole, rotations[seen.camera], x, *predicted, distorted_[i], pixel_sigma_,
-                             huber_threshold_));
+      rows.push_back(MakeRow(bundle_.pinhole, rotations[seen.camera], x, *predicted, distorted_[i], row_motion_[i],
+                             pixel_sigma_, huber_threshold_));
       rows.back().column = IntrinsicsRow::kPoseDof * (seen.camera - 1);
     }
   };

@@ -76,6 +76,7 @@ class IntrinsicsProblem {
   CameraModel camera_;
   // As bundle_.observations:
   std::vector<Eigen::Vector2d> distorted_;                ///< pixels of the image
+  std::vector<Eigen::Vector2d> row_motion_;               ///< of its pixel without distortion (IntrinsicsJacobian)
   std::vector<double> stretch_;                           ///< by which correction enlarges an error there
   std::vector<std::optional<CorrectedPixel>> corrected_;  ///< with change_; nothing where this lens has no ray
   std::vector<int> first_observation_;

@@ -50,10 +50,31 @@ Eigen::Vector2d Distorted(const CameraModel& given, const Vector& change, const 
   return pixel;
 }
 
+// How far a point moves in the image of a keyframe while a row waits, pixels per second of readout.
+Eigen::Vector2d RowMotion(const Map& map, int last, int keyframe, const Eigen::Vector3d& point, double row) {
+  const Keyframe& before = map.keyframes[std::max(keyframe - 1, 0)];
+  const Keyframe& after = map.keyframes[std::min(keyframe + 1, last)];
+  const Eigen::Vector3d speed =
+      (after.camera_from_world * point - before.camera_from_world * point) / (after.time - before.time);
+  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * point;
+  constexpr double kStep = 1e-4;
+  const Pinhole& pinhole = map.camera.pinhole;
+  const Eigen::Vector2d motion =
+      (pinhole.Project(x + kStep * speed) - pinhole.Project(x - kStep * speed)) / (2 * kStep);
+  return (row - 0.5 * (map.camera.height - 1)) / map.camera.height * motion;
+}
+
+// What a camera sees, and how far each pixel moves while its row waits.
+struct SeenPixels {
+  std::vector<Eigen::Vector2d> raw;
+  std::vector<Eigen::Vector2d> row_motion;
+};
+
 // Residuals of all observations in the distorted image, in sigmas, when poses, points and intrinsics move: six numbers
 // a pose but the first (rotation vector, centre), three a point, the change of the intrinsics.
-Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw, double sigma,
-                          const CameraModel& given, const Vector& change, const Eigen::VectorXd& step) {
+Eigen::VectorXd Residuals(const BundleProblem& bundle, const SeenPixels& all, double sigma, const CameraModel& given,
+                          const Vector& change, const Eigen::VectorXd& step) {
+  const std::vector<Eigen::Vector2d>& raw = all.raw;
   const Vector moved = change + step.tail<kEntries>();
   const Pinhole pinhole = ChangedPinhole(given.pinhole, moved);
   const Eigen::Index points = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
@@ -69,7 +90,8 @@ Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::
       rotation = RotationFromVector(move.head<3>()) * rotation;
       offset -= move.tail<3>();
     }
-    const Eigen::Vector2d predicted = pinhole.Project(rotation * offset);
+    const Eigen::Vector2d predicted =
+        pinhole.Project(rotation * offset) + moved[IntrinsicsChange::kReadout] * all.row_motion[i];
     residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
         (Distorted(given, moved, predicted, raw[i]) - raw[i]) / sigma;
   }
@@ -87,18 +109,22 @@ void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   if (lens != LensModel::kPinhole) camera.distortion = {-0.1, 0.02, 0.001, -0.001, 0};
   constexpr double kSigma = 0.5;
   IntrinsicsProblem problem(map, camera, window, kSigma);
-  const Vector change = Change(0.02, 3, -2, correction);
+  Vector change = Change(0.02, 3, -2, correction);
+  change[IntrinsicsChange::kLogAspect] = -0.03;
+  change[IntrinsicsChange::kReadout] = 0.01;
   const BundleProblem& bundle = problem.bundle();
-  std::vector<Eigen::Vector2d> raw;
-  for (const BundleObservation& seen : bundle.observations)
-    raw.push_back(*camera.Project(camera.pinhole.Ray(seen.pixel)));
+  SeenPixels raw;
+  for (const BundleObservation& seen : bundle.observations) {
+    raw.raw.push_back(*camera.Project(camera.pinhole.Ray(seen.pixel)));
+    raw.row_motion.push_back(RowMotion(map, window.last, seen.camera, bundle.points[seen.point], raw.raw.back().y()));
+  }
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
   ASSERT_TRUE(evidence);
 
   const Eigen::Index poses = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
   const Eigen::Index others = poses + 3 * static_cast<Eigen::Index>(bundle.points.size());
-  Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.size()), others + kEntries);
+  Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.raw.size()), others + kEntries);
   for (Eigen::Index i = 0; i < J.cols(); ++i) {
     const Eigen::VectorXd h = 1e-5 * Eigen::VectorXd::Unit(J.cols(), i);
     J.col(i) =

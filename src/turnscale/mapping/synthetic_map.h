@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -26,7 +29,19 @@ struct SyntheticStreet {
   double max_depth = 30;
   double pixel_noise = 0.3;
   unsigned seed = 1;
+  double readout = 0;  ///< seconds, of a rolling shutter from the top to the bottom row
 };
+
+/// The camera between the poses of a drive, `steps` after that of a keyframe.
+inline RigidTransform CameraBetween(const CarDrive& drive, std::size_t keyframe, double steps) {
+  const std::size_t next =
+      steps < 0 ? std::max<std::size_t>(keyframe, 1) - 1 : std::min(keyframe + 1, drive.world_from_camera.size() - 1);
+  const RigidTransform& a = drive.world_from_camera[keyframe];
+  const RigidTransform& b = drive.world_from_camera[next];
+  const double share = std::abs(steps);
+  return RigidTransform{a.rotation.slerp(share, b.rotation), a.translation + share * (b.translation - a.translation)}
+      .inverse();
+}
 
 /// The true map of a drive with noisy pixels: a KITTI-like camera that looks forward.
 inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
@@ -35,6 +50,8 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
   std::uniform_real_distribution<double> uniform(0, 1);
   Map map;
   map.camera.pinhole = {718, 718, 607, 185};
+  map.camera.width = 1241;
+  map.camera.height = 371;
   for (std::size_t i = 0; i < drive.world_from_camera.size(); ++i) {
     const double time = drive.dt * static_cast<double>(i);
     map.keyframes.push_back({.frame = static_cast<int>(i),
@@ -52,7 +69,12 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
     for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
       const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
       if (x.z() < 3 || x.z() > street.max_depth) continue;
-      const Eigen::Vector2d pixel = map.camera.pinhole.Project(x);
+      Eigen::Vector2d pixel = map.camera.pinhole.Project(x);
+      if (street.readout != 0) {
+        const double row = pixel.y() / map.camera.height - 0.5;
+        const RigidTransform camera = CameraBetween(drive, k, street.readout * row / drive.dt);
+        pixel = map.camera.pinhole.Project(camera * landmark.position);
+      }
       if (pixel.x() < 0 || pixel.x() > 1240 || pixel.y() < 0 || pixel.y() > 370) continue;
       const Eigen::Vector2d seen = pixel + DrawVector<2>([&] { return noise(random); });
       landmark.observations.push_back({static_cast<int>(k), seen});

@@ -5,10 +5,10 @@
 
 namespace turnscale {
 
-/// A change without the correction's higher terms.
+/// A change without the correction's higher terms, where pixels keep their shape and rows their time.
 inline IntrinsicsChange::Vector Change(double log_focal, double centre_x, double centre_y, double correction) {
   IntrinsicsChange::Vector change;
-  change << log_focal, centre_x, centre_y, correction, 0, 0;
+  change << log_focal, centre_x, centre_y, correction, 0, 0, 0, 0;
   return change;
 }
 

@@ -413,6 +413,7 @@ RefinedScale Odometry::Refined() const {
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
+  refined.readout = check.Readout();
   BridgeGapsOf(refined);
   return refined;
 }

@@ -7,11 +7,12 @@ namespace turnscale {
 namespace {
 
 // Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
-// of the principal point, per unit of radial correction. About the largest that the turns of benchmarks/variants show
-// by themselves.
+// of the principal point, per unit of radial correction, per relative error of the aspect. About the largest that the
+// turns of benchmarks/variants show by themselves; the aspect changes heights by as much.
 constexpr double kScalePerFocalLength = 2;
 constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
+constexpr double kScalePerAspect = 1;
 
 }  // namespace
 
@@ -37,6 +38,9 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, co
         break;
       case IntrinsicsParameter::kDistortion:
         sigma = kScalePerCorrection * off;
+        break;
+      case IntrinsicsParameter::kPixelAspect:
+        sigma = kScalePerAspect * off / estimate.given;
         break;
     }
     variance += sigma * sigma;

@@ -37,6 +37,7 @@ struct RefinedScale {
   std::vector<ParameterEstimate> contradicted_calibration;
   double calibration_sigma = 0;  ///< CalibrationSigma and what WidenScale has added; the sigmas of the scale include it
   int calibration_windows = 0;   ///< parts of turns in which the intrinsics were tested
+  std::optional<ShutterReadout> readout;  ///< of a rolling shutter, if the images of turns show one
 };
 
 /// State of the scale at the last keyframe; pending without one.

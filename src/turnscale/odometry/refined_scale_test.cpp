@@ -43,6 +43,7 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
   camera.pinhole.fy = 350;
   EXPECT_NEAR(widened({Off(IntrinsicsParameter::kCentreY, -15)}), 4 * vertical, 1e-9) << "twice the angle";
   EXPECT_EQ(widened({Off(IntrinsicsParameter::kCentreX, -15)}), centre);
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kPixelAspect, 50)}), 0.01, 1e-9) << "relative to what was given";
   RefinedScale pending;
   pending.keyframes = {{.sigma = 1}};
   WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, camera, pending);

@@ -26,12 +26,16 @@ constexpr double kLooseAtFirst = 4.0;
 constexpr double kTightening = 0.6;
 // A focal length may have to change by a factor of two, in steps of a tenth.
 constexpr int kMaxRounds = 15;
+// Farther apart, the last two passes have not found the same camera.
+constexpr double kAlternatingSigmas = 2;
 // Of a window: nearly all, so that it does not matter much which ones they are.
 constexpr int kMaxLandmarks = 600;
 
 // Result of one pass over the images.
 struct Reading {
-  IntrinsicsEstimate estimate;
+  IntrinsicsEstimate estimate;  ///< with the pixels' aspect as it was
+  ParameterEstimate aspect;
+  bool contradicts_aspect = false;
   double radius = 0;  ///< from the principal point, up to which the windows show the lens, pixels
   int windows = 0;
   double begin = 0;          ///< time of the first image, seconds
@@ -99,6 +103,8 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
+  reading.aspect = check.Aspect();
+  reading.contradicts_aspect = check.Contradicts(reading.aspect);
   reading.radius = check.observed_radius();
   return reading;
 }
@@ -129,11 +135,11 @@ IntrinsicsChange::Vector ChangeBetween(const Pinhole& from, const Pinhole& to) {
   return change;
 }
 
-// Largest change of focal length and principal point, in standard deviations.
+// Largest change of focal lengths and principal point, in standard deviations.
 double LargestStep(const IntrinsicsChange::Vector& change, const IntrinsicsChange::Vector& sigmas) {
   const IntrinsicsChange::Vector steps = change.cwiseQuotient(sigmas).cwiseAbs();
-  return std::max(
-      {steps[IntrinsicsChange::kLogFocal], steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
+  return std::max({steps[IntrinsicsChange::kLogFocal], steps[IntrinsicsChange::kLogAspect],
+                   steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
 }
 
 // Largest change of the ray of a pixel within a radius (pixels) of the principal point.
@@ -177,14 +183,17 @@ std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, 
                                      step_sigmas < options.converged_sigmas);
   CameraOfPasses result{.found = {}, .next = *next, .is_last = settled || passes == options.max_passes};
   // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
-  // optimum.
-  const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
+  // optimum: where windows are few, by as much as their sigmas.
+  const bool alternates = settled || (result.is_last && passes > 1 && step_sigmas < kAlternatingSigmas);
+  const std::optional<CameraModel> middle = alternates ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
   FoundCamera& found = result.found;
   found.camera = middle.value_or(*next);
-  found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * found.camera.pinhole.fx;
-  found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
+  const double relative_sigma =
+      std::hypot(sigmas[IntrinsicsChange::kLogFocal], 0.5 * change[IntrinsicsChange::kLogFocal]);
+  found.camera.focal_sigma = relative_sigma * found.camera.pinhole.fx;
+  found.centre_sigma = std::hypot(sigmas[IntrinsicsChange::kCentreX], 0.5 * change[IntrinsicsChange::kCentreX]);
   found.windows = reading.windows;
-  found.converged = settled || (result.is_last && passes > 1 && step_sigmas < 1);
+  found.converged = alternates;
   return result;
 }
 
@@ -236,12 +245,24 @@ class SelfCalibration {
     // With the camera as assumed, an earlier turn may have gone unnoticed.
     const auto from =
         passes == 1 ? std::nullopt : std::optional(std::max(0.0, reading_.first_time - begin_ - kLeadSeconds));
-    const Reading again = Read(passes, from);
+    Reading again = Read(passes, from);
     if (again.windows == 0) return false;
+    FollowAspect(again);
     // A pass that has read the drive to its end has found all windows.
     if (passes == 1 && !again.is_complete) end_ = again.last_time + kTrailSeconds;
     reading_ = again;
     return true;
+  }
+
+  // Takes the pixels' aspect into the estimate if it has to change. Not from the first pass, in which it stands for
+  // what else is wrong.
+  void FollowAspect(Reading& reading) {
+    follows_aspect_ = follows_aspect_ || reading.contradicts_aspect;
+    if (!follows_aspect_) return;
+    constexpr int kEntry = IntrinsicsChange::kLogAspect;
+    const ParameterEstimate& aspect = reading.aspect;
+    reading.estimate.change[kEntry] = std::log(aspect.found / aspect.given);
+    reading.estimate.covariance(kEntry, kEntry) = std::pow(aspect.sigma / aspect.found, 2);
   }
 
   Reading Read(int pass, std::optional<double> from = std::nullopt) const {
@@ -255,9 +276,10 @@ class SelfCalibration {
   const OdometryOptions& odometry_;
   const OpenDrive& open_;
   const cv::Mat& mask_;
-  CameraModel camera_;     // of the last pass, then of the next one
-  Pinhole expected_;       // mean of the prior
-  Reading reading_;        // of the last pass
+  CameraModel camera_;  // of the last pass, then of the next one
+  Pinhole expected_;    // mean of the prior
+  Reading reading_;     // of the last pass
+  bool follows_aspect_ = false;
   double begin_ = 0;       // of the drive, time of an image
   double end_ = HUGE_VAL;  // of what the passes read, time of an image
 };

@@ -64,7 +64,7 @@ struct FoundCamera {
   CameraModel camera;       ///< with the standard deviation of its focal length
   double centre_sigma = 0;  ///< standard deviation of the principal point, pixels
   int windows = 0;          ///< windows in turns that decided
-  /// The last pass changed no ray by much, or focal length and principal point by less than a standard deviation.
+  /// The last pass changed no ray by much, or focal length and principal point by less than two standard deviations.
   bool converged = false;
 };
 
@@ -76,9 +76,9 @@ struct FoundCamera {
 /// windows to its end; later ones only the part that has windows. Where the windows show nothing of the lens, towards
 /// the corners, its model extrapolates (FitLens). `start` needs image size and focal length only: half or twice the
 /// true one is near enough; where it is assumed rather than given, other fields of view are tried if the odometry fails
-/// with it. Both focal lengths are changed by the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size)
-/// are left out, unless it is empty. Nothing where no window turns enough: the focal length does not matter to the
-/// images of a straight.
+/// with it. Both focal lengths are changed by the same factor, unless the images contradict the pixels' aspect. Pixels
+/// that are 0 in `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing where no window turns
+/// enough: the focal length does not matter to the images of a straight.
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
                                               const StartCamera& start, const OpenDrive& open,
                                               const cv::Mat& mask = {});

@@ -21,6 +21,7 @@ ParameterEstimate AtFullSize(const ImageScaling& scaling, ParameterEstimate esti
       estimate.found = scaling.FullPlace(estimate.found);
       break;
     case IntrinsicsParameter::kDistortion:
+    case IntrinsicsParameter::kPixelAspect:
       return estimate;
   }
   estimate.sigma *= scaling.pixel_width();

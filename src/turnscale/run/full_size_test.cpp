@@ -25,6 +25,7 @@ TEST(AtFullSize, ConvertsWhatWasEstimatedFromReducedImages) {
   EXPECT_EQ(centre.found, 1940.5);
   EXPECT_EQ(centre.sigma, 8);
   EXPECT_EQ(AtFullSize(halved, {IntrinsicsParameter::kDistortion, 0, 0.1, 0.02}).sigma, 0.02);
+  EXPECT_EQ(AtFullSize(halved, {IntrinsicsParameter::kPixelAspect, 1, 1.3, 0.02}).found, 1.3);
 }
 
 TEST(AtFullSize, ConvertsWhatWasEstimatedFromEnlargedImages) {

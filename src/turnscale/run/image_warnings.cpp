@@ -16,6 +16,11 @@ std::string ContradictionText(const ParameterEstimate& estimate, bool refined) {
         "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
         "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}",
         estimate.found, estimate.sigma, estimate.given, remedy);
+  if (estimate.parameter == IntrinsicsParameter::kPixelAspect)
+    return fmt::format(
+        "the images taken in turns give pixels {:.3g} +-{:.2g} times as wide as high, but the calibration has {:.3g} "
+        "(fy / fx): check whether the video was squeezed or stretched{}",
+        estimate.found, estimate.sigma, estimate.given, remedy);
   const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
   const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
   const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";

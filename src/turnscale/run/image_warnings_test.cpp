@@ -41,6 +41,18 @@ TEST(ImageWarnings, TheLastContradictionOfTheCalibrationSaysWhatFollows) {
   EXPECT_TRUE(warnings[0].ends_with("check that the calibration belongs to this camera")) << warnings[0];
 }
 
+TEST(ImageWarnings, PixelsMayHaveAnotherShape) {
+  ImageFindings findings;
+  findings.contradicted_calibration = {
+      {.parameter = IntrinsicsParameter::kPixelAspect, .given = 1, .found = 1.25, .sigma = 0.06}};
+  const std::vector<std::string> warnings = Warnings(findings);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(
+      warnings[0].starts_with("the images taken in turns give pixels 1.25 +-0.06 times as wide as high, but the "
+                              "calibration has 1 (fy / fx): "))
+      << warnings[0];
+}
+
 TEST(ImageWarnings, BlendingComesBeforeTheCalibrationThatItMayContradict) {
   ImageFindings findings = Contradicted();
   findings.blending = FrameBlending{.from = 101, .to = 120, .period = 4};

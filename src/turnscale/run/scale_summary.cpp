@@ -72,6 +72,7 @@ ScaleSummary ScaleSummaryOf(const DriveFacts& drive, const std::vector<FrameResu
   summary.turns_found = static_cast<int>(scale.turns.size());
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
   summary.calibration_windows = scale.calibration_windows;
+  summary.readout = scale.readout;
   summary.calibration_agrees = scale.contradicted_calibration.empty();
   if (!scale.estimate) return summary;
   summary.turn_test = scale.estimate->test;

@@ -230,15 +230,20 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("centre_prior_sigma_deg", o.centre_prior_sigma_deg);
     visitor.Field("correction_prior_sigma", o.correction_prior_sigma);
     visitor.Field("higher_prior_sigma", o.higher_prior_sigma);
+    visitor.Field("aspect_prior_sigma", o.aspect_prior_sigma);
+    visitor.Field("readout_prior_sigma", o.readout_prior_sigma);
     visitor.Field("focal_window_sigma", o.focal_window_sigma);
     visitor.Field("centre_window_sigma_deg", o.centre_window_sigma_deg);
     visitor.Field("correction_window_sigma", o.correction_window_sigma);
     visitor.Field("focal_model_sigma", o.focal_model_sigma);
     visitor.Field("centre_model_sigma_deg", o.centre_model_sigma_deg);
     visitor.Field("correction_model_sigma", o.correction_model_sigma);
+    visitor.Field("aspect_model_sigma", o.aspect_model_sigma);
     visitor.Field("min_focal_error", o.min_focal_error);
     visitor.Field("min_centre_error_deg", o.min_centre_error_deg);
     visitor.Field("min_correction_error", o.min_correction_error);
+    visitor.Field("min_aspect_error", o.min_aspect_error);
+    visitor.Field("min_readout", o.min_readout);
     visitor.Field("significance", o.significance);
   });
   visitor.Group("self_calibration", [&] {

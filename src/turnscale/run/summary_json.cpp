@@ -102,7 +102,7 @@ const char* IntrinsicsSource(const RunInput& given) {
   return given.camera.empty() ? "estimated" : "refined";
 }
 
-nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, bool tested) {
+nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummary& scale) {
   const std::optional<FoundCamera>& found = drive.given.found_camera;
   const std::optional<Pinhole> pinhole = found ? found->camera.pinhole : drive.camera.pinhole;
   nlohmann::ordered_json json = {{"source", IntrinsicsSource(drive.given)}};
@@ -113,8 +113,12 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, bool tested) {
   }
   const std::optional<LensModel> lens = found ? found->camera.lens : drive.camera.lens_model;
   if (lens) json["lens_model"] = LensModelName(*lens);
+  if (scale.readout) {
+    json["readout_ms"] = 1e3 * scale.readout->seconds;
+    json["readout_sigma_ms"] = 1e3 * scale.readout->sigma;
+  }
   if (!found) {
-    json["tested"] = tested;
+    json["tested"] = scale.calibration_windows > 0;
     return json;
   }
   json["focal_length_sigma"] = found->camera.focal_sigma;
@@ -184,7 +188,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"recorded_from", given.recorded_from.empty() ? Json(nullptr) : Json(given.recorded_from)},
       {"clips", ClipsJson(drive.ending.clips)},
       {"camera", given.camera.empty() ? Json(nullptr) : Json(given.camera)},
-      {"intrinsics", IntrinsicsJson(drive, scale.calibration_windows > 0)},
+      {"intrinsics", IntrinsicsJson(drive, scale)},
       {"rotate_deg", given.rotate},
       {"mask", given.mask.empty() ? Json(nullptr) : Json(given.mask)},
       {"pose_frame", given.pose_frame},

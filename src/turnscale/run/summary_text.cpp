@@ -45,6 +45,13 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
   return text;
 }
 
+// One line; empty if the images show no rolling shutter.
+std::string ShutterText(const ScaleSummary& scale) {
+  if (!scale.readout) return {};
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the top row of the image to the bottom, not modelled\n",
+                     1e3 * scale.readout->seconds, 1e3 * scale.readout->sigma);
+}
+
 // One line; empty before the first image.
 std::string IntrinsicsText(const DriveFacts& drive, const ScaleSummary& scale) {
   const RunInput& given = drive.given;
@@ -233,12 +240,13 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "{}"
+      "{}"
       "time    {:.1f} s elapsed ({:.1f} frames/s), {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of "
       "memory\n"
       "files   {}\n",
       ClipsText(drive.ending.clips), PathText(summary.path, summary.frames, summary.scale.is_metric()),
-      ScaleText(summary.scale, drive), IntrinsicsText(drive, summary.scale), MountText(summary),
-      CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
+      ScaleText(summary.scale, drive), IntrinsicsText(drive, summary.scale), ShutterText(summary.scale),
+      MountText(summary), CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
       TurnsText(summary.scale, drive.vehicle.lever_arm.has_value()), FramesText(summary.frames, drive.images),
       MissingText(summary.path, drive.given.first_time), cost.wall_seconds,
       summary.frames.total / std::max(cost.wall_seconds, 1e-9),

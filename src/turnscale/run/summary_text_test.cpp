@@ -84,6 +84,15 @@ TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, contradicted by the turns\n"));
 }
 
+TEST(SummaryText, ARollingShutterIsNamed) {
+  RunSummary summary = InMetres(0.03);
+  EXPECT_FALSE(Says(summary, "shutter"));
+  EXPECT_FALSE(nlohmann::json::parse(SummaryJson(summary))["intrinsics"].contains("readout_ms"));
+  summary.scale.readout = ShutterReadout{0.0193, 0.0006};
+  EXPECT_TRUE(Says(summary, "shutter rolling, 19.3 +-0.6 ms from the top row of the image to the bottom"));
+  EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["readout_ms"], 19.3, 1e-9);
+}
+
 TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
   RunSummary summary = InMetres(0.03);
   summary.drive.given.found_camera = FoundCamera{{{600, 600, 320, 180}}, 2, 5, true};
