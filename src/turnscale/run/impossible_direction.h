@@ -13,10 +13,11 @@ namespace turnscale {
 /// degrees sideways, relative to the direction in which it usually moves. Then tracking has failed, or has followed
 /// something else than the scene.
 struct ImpossibleDirection {
-  double from = 0;                 ///< time, seconds
-  double to = 0;                   ///< time, seconds
-  std::optional<double> distance;  ///< length of its path, metres; empty in a trajectory that is up to scale
-  double up = 0;                   ///< of the worst place, radians, by which the car moves upwards; negative: downwards
+  double from = 0;  ///< time, seconds
+  double to = 0;    ///< time, seconds
+  std::optional<double> distance =
+      std::nullopt;  ///< length of its path, metres; empty in a trajectory that is up to scale
+  double up = 0;     ///< of the worst place, radians, by which the car moves upwards; negative: downwards
   double aside = 0;  ///< of the worst place, radians, by which it moves to the right; negative: to the left
 };
 
