@@ -327,7 +327,8 @@ std::string RescaleText(const RescaleResult& result) {
   text += fmt::format("path          {:.1f} m +-{:.1f} %{}, {} of {} turns used\n", result.length,
                       100 * result.estimate->length_sigma, uncertain, UsedTurns(result), TurnsOf(result).size());
   if (result.gap_length > 0)
-    text += fmt::format("gaps          {:.1f} m more where tracking was lost, not measured\n", result.gap_length);
+    text += fmt::format("gaps          {:.1f} m more where tracking was lost or nothing was recorded, not measured\n",
+                        result.gap_length);
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +-{:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,

@@ -413,7 +413,8 @@ RefinedScale Odometry::Refined() const {
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
-  refined.readout = check.Readout();
+  // A wrong camera may look like a rolling shutter.
+  if (contradictions.empty()) refined.readout = check.Readout();
   BridgeGapsOf(refined);
   return refined;
 }

@@ -24,6 +24,11 @@ constexpr double kMostSpeed = 90;
 constexpr double kSpeedNoise = 0.25;
 // A step is longer than those before and after it by more than this factor where images are missing or repeated.
 constexpr double kLongStep = 3;
+// Gaps in the images across which tracking went on, seconds. In a longer one, a car may have done anything.
+constexpr double kShortestGap = 1;
+constexpr double kLongestGap = 5;
+// Firm braking, and as firm acceleration right after it, m/s^2: rarely what happens in a gap.
+constexpr double kFirm = 5;
 // A slower car stands, m/s.
 constexpr double kStanding = 0.2;
 
@@ -125,6 +130,54 @@ ImpossibleMotion PartOf(const std::vector<Stretch>& stretches, size_t first, siz
   return part;
 }
 
+// Lengths of the way of a car in so many seconds, from one speed to another.
+struct PossibleWay {
+  double least = 0;
+  double most = 0;
+};
+
+PossibleWay PossibleWayBetween(double before, double after, double seconds) {
+  constexpr double kHarder = 1.5;  // than an even change of the speed
+  const double change = after - before;
+  const double firm = std::max(kFirm, kHarder * std::abs(change) / seconds);
+  const double mean = 0.5 * (before + after) * seconds;
+  const double reach = 0.25 * (firm * seconds * seconds - change * change / firm);
+  const double lowest_speed = 0.5 * (before + after - firm * seconds);
+  const double with_stop = 0.5 * (before * before + after * after) / firm;
+  return {lowest_speed < 0 ? with_stop : mean - reach, mean + reach};
+}
+
+// Where the path is measured on both sides of a gap and tracking went on across it, in a wrong place: as where all
+// parts of a garage look alike.
+std::vector<ImpossibleMotion> FindImpossibleGaps(const std::vector<FrameResult>& frames,
+                                                 const std::vector<SpeedWindow>& windows) {
+  std::vector<ImpossibleMotion> parts;
+  size_t next = 0;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    const FrameResult& first = frames[i - 1];
+    const FrameResult& last = frames[i];
+    const double seconds = last.time - first.time;
+    if (!first.is_measured() || !last.is_measured() || seconds < kShortestGap || seconds > kLongestGap) continue;
+    while (next < windows.size() && windows[next].from < last.time) ++next;
+    if (next == 0 || next == windows.size()) continue;
+    const SpeedWindow& before = windows[next - 1];
+    const SpeedWindow& after = windows[next];
+    if (before.to > first.time || first.time - before.to > 2 * kWindow || after.from - last.time > 2 * kWindow)
+      continue;
+    const PossibleWay way = PossibleWayBetween(before.speed(), after.speed(), seconds);
+    const double distance = DistanceBetween(first, last);
+    // The chord of a curve is shorter than the way.
+    const bool is_possible = distance > (1 - kSpeedNoise) * way.least && (1 - kSpeedNoise) * distance < way.most;
+    if (is_possible) continue;
+    parts.push_back({.from = first.time,
+                     .to = last.time,
+                     .distance = distance,
+                     .most_speed = distance / seconds,
+                     .expected = 0.5 * (before.speed() + after.speed()) * seconds});
+  }
+  return parts;
+}
+
 }  // namespace
 
 bool ImpossibleMotion::IsFasterThanACar() const { return most_speed > kMostSpeed; }
@@ -145,6 +198,8 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
     parts.push_back(PartOf(stretches, first, end, usual_speed));
     first = end;
   }
+  for (const ImpossibleMotion& gap : FindImpossibleGaps(frames, windows)) parts.push_back(gap);
+  std::ranges::sort(parts, {}, &ImpossibleMotion::from);
   return parts;
 }
 
@@ -163,7 +218,8 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts, dou
                      parts.size() > 1 ? fmt::format("{} places where no car drives so; the worst ", parts.size()) : "",
                      largest->from - first_time, largest->to - first_time, largest->distance, expected,
                      is_too_fast ? "the scale is wrong there, or the times of the images are"
-                                 : "a vehicle that moved may have filled the image");
+                                 : "a vehicle that moved may have filled the image, or the scene looks alike in "
+                                   "different places");
 }
 
 double LengthErrorOf(const std::vector<ImpossibleMotion>& parts) {

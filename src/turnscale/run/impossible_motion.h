@@ -10,7 +10,8 @@ namespace turnscale {
 
 /// A part of the drive whose path no car has driven: where it begins or ends, the speed changes by more than 15 m/s^2,
 /// or it is above 90 m/s (324 km/h). Then something else than the scene was followed, such as a lorry ahead, the unit
-/// of the map has changed, or the times are wrong.
+/// of the map has changed, or the times are wrong. Or it leads across a gap in the images of 1 to 5 s that is measured
+/// on both sides, and is longer or shorter than a car's that brakes and accelerates with 5 m/s^2.
 struct ImpossibleMotion {
   double from = 0;        ///< time, seconds
   double to = 0;          ///< time, seconds

@@ -122,5 +122,33 @@ TEST(ImpossibleMotion, GapsHaveTimeForASpeedToChange) {
   EXPECT_TRUE(FindImpossibleMotion(frames).empty());
 }
 
+// Without images for two seconds from 20 s on, in which the car comes forward by this many metres.
+std::vector<FrameResult> DriveWithGap(double before, double after, double way) {
+  auto frames = DriveAt(60, [&](double time) { return time < 20 ? before : after; });
+  const double end = frames[220].world_from_camera->translation.z();
+  const double place = frames[199].world_from_camera->translation.z() + way;
+  for (size_t i = 220; i < frames.size(); ++i) frames[i].world_from_camera->translation.z() += place - end;
+  frames.erase(frames.begin() + 200, frames.begin() + 220);
+  return frames;
+}
+
+TEST(ImpossibleMotion, MayLeadAcrossAGap) {
+  for (const double way : {3.5, 8.0, 12.0})
+    EXPECT_TRUE(FindImpossibleMotion(DriveWithGap(3.1, 4.2, way)).empty()) << way;
+  for (const double way : {1.0, 20.0}) {
+    const std::vector<ImpossibleMotion> parts = FindImpossibleMotion(DriveWithGap(3.1, 4.2, way));
+    ASSERT_EQ(parts.size(), 1U) << way;
+    EXPECT_NEAR(parts[0].from, 19.9, 1e-6);
+    EXPECT_NEAR(parts[0].to, 22, 1e-6);
+    EXPECT_NEAR(parts[0].distance, way, 1e-6);
+    EXPECT_NEAR(parts[0].expected, 7.67, 0.02);
+    EXPECT_NEAR(LengthErrorOf(parts), std::abs(way - 7.67), 0.02);
+  }
+  EXPECT_TRUE(FindImpossibleMotion(DriveWithGap(20, 20, 30)).empty()) << "firm braking";
+  EXPECT_EQ(FindImpossibleMotion(DriveWithGap(20, 20, 15)).size(), 1U);
+  EXPECT_TRUE(FindImpossibleMotion(DriveWithGap(20, 2, 22)).empty());
+  EXPECT_TRUE(FindImpossibleMotion(DriveWithGap(0, 4, 0.5)).empty()) << "it stood";
+}
+
 }  // namespace
 }  // namespace turnscale
