@@ -46,8 +46,10 @@ TEST(RescaleText, HasTheWayAcrossGapsThatThePathLacks) {
   RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
   EXPECT_EQ(RescaleText(result).find("gaps"), std::string::npos);
   result.gap_length = 21.14;
-  EXPECT_NE(RescaleText(result).find("turns used\ngaps          21.1 m more where tracking was lost or nothing was recorded, not measured\n"),
-            std::string::npos)
+  EXPECT_NE(
+      RescaleText(result).find(
+          "turns used\ngaps          21.1 m more where tracking was lost or nothing was recorded, not measured\n"),
+      std::string::npos)
       << RescaleText(result);
   EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", {}))["gap_length_m"], 21.14);
 }
