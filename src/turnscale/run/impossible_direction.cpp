@@ -18,7 +18,7 @@ namespace {
 // A direction is that of so many metres of the path: noise of the positions and of the car's pitching hardly count.
 constexpr double kLength = 1;  // m
 // The same where the unit is not known, in seconds at the speed of a car that moves.
-constexpr double kUsualSeconds = 0.2;
+constexpr double kUsualSeconds = 0.5;
 constexpr double kLongest = 3;          // s
 constexpr double kLongestInterval = 1;  // s
 constexpr double kMostTurn = 40 / kDegreesPerRadian;
@@ -38,15 +38,22 @@ Eigen::Quaterniond WorldFromVehicle(const FrameResult& frame) {
   return frame.world_from_camera->rotation * frame.vehicle_from_camera.conjugate();
 }
 
-// While the car moves, in units of the poses per second; 0 where no two frames in sequence are measured.
+// At which half of the path is driven, in units of the poses per second: the noise of a car that waits does not count.
+// 0 where no two frames in sequence are measured.
 double MovingSpeed(const std::vector<FrameResult>& frames) {
-  // A car that waits for most of the drive has a speed of its own, too.
-  constexpr double kShare = 0.9;
-  std::vector<double> speeds;
-  for (size_t i = 1; i < frames.size(); ++i)
-    if (frames[i].is_measured() && frames[i - 1].is_measured())
-      speeds.push_back(DistanceBetween(frames[i - 1], frames[i]) / (frames[i].time - frames[i - 1].time));
-  return speeds.empty() ? 0 : Quantile(std::move(speeds), kShare);
+  std::vector<std::pair<double, double>> steps;  // speed and length
+  double length = 0;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    if (!frames[i].is_measured() || !frames[i - 1].is_measured()) continue;
+    const double step = DistanceBetween(frames[i - 1], frames[i]);
+    steps.emplace_back(step / (frames[i].time - frames[i - 1].time), step);
+    length += step;
+  }
+  std::ranges::sort(steps);
+  double slower = 0;
+  for (const auto& [speed, step] : steps)
+    if ((slower += step) >= 0.5 * length) return speed;
+  return 0;
 }
 
 // Each is that of a part of the path of this length or a little more. Both lengths are in the unit of the poses.

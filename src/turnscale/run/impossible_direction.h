@@ -23,8 +23,8 @@ struct ImpossibleDirection {
 
 /// All such parts, in the order of time. `frames`: poses of the camera, in metres or up to scale. `lever_arm`: metres;
 /// 0 if it is unknown; up to scale it does not count. A direction is that of a metre of the path, or, up to scale, of
-/// 0.2 s at the speed that a tenth of the path exceeds. It takes less than three seconds, is measured throughout
-/// without a gap of a second, and turns by less than 40 degrees.
+/// 0.5 s at the speed at which half of it is driven. It takes less than three seconds, is measured throughout without a
+/// gap of a second, and turns by less than 40 degrees.
 std::vector<ImpossibleDirection> FindImpossibleDirections(const std::vector<FrameResult>& frames, double lever_arm);
 
 /// The warning, one line, with times counted from `first_time`; empty if there are none.

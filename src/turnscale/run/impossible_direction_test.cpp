@@ -79,8 +79,8 @@ TEST(ImpossibleDirection, IsKnownUpToScale) {
   }
   const std::vector<ImpossibleDirection> parts = FindImpossibleDirections(frames, kLeverArm);
   ASSERT_EQ(parts.size(), 1U);
-  EXPECT_NEAR(parts[0].from, 40, 0.3);
-  EXPECT_NEAR(parts[0].to, 43, 0.3);
+  EXPECT_NEAR(parts[0].from, 40, 0.6);
+  EXPECT_NEAR(parts[0].to, 43, 0.6);
   EXPECT_FALSE(parts[0].distance);
   EXPECT_EQ(LengthErrorOf(parts), 0);
   const std::string text = ImpossibleDirectionText(parts);

@@ -48,8 +48,10 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
 // One line; empty if the images show no rolling shutter.
 std::string ShutterText(const ScaleSummary& scale) {
   if (!scale.readout) return {};
-  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the top row of the image to the bottom, not modelled\n",
-                     1e3 * scale.readout->seconds, 1e3 * scale.readout->sigma);
+  const bool is_downwards = scale.readout->seconds > 0;
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} row of the image to the {}, not modelled\n",
+                     1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma,
+                     is_downwards ? "top" : "bottom", is_downwards ? "bottom" : "top");
 }
 
 // One line; empty before the first image.
