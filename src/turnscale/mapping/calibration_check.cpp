@@ -335,6 +335,8 @@ bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {
 
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   if (windows_.empty()) return {};
+  // The others were estimated as if it were right.
+  if (const ParameterEstimate aspect = Aspect(); Contradicts(aspect)) return {aspect};
   std::vector<ParameterEstimate> contradictions = Parameters(camera);
   std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
   return contradictions;

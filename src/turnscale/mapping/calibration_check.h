@@ -136,7 +136,8 @@ class CalibrationCheck {
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Whether what was found is worth a report, and significant.
   bool Contradicts(const ParameterEstimate& estimate) const;
-  /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
+  /// Those inconsistent with what is used, the aspect alone if it is; empty if the drive agrees or does not determine
+  /// them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
 
  private:
