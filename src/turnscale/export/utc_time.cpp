@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/number_text.h"
+#include "turnscale/frames/recording_time.h"
 
 namespace turnscale {
 namespace {
@@ -87,13 +88,8 @@ std::optional<double> ParseUtcTime(std::string_view text) {
 
 std::string UtcTimeText(double seconds) {
   const auto milliseconds = static_cast<int64_t>(std::llround(seconds * 1000));
-  constexpr int64_t kPerDay = 86'400'000;
-  const int64_t day = (milliseconds >= 0 ? milliseconds : milliseconds - kPerDay + 1) / kPerDay;
-  const int64_t rest = milliseconds - day * kPerDay;
-  const chrono::year_month_day date{chrono::sys_days(chrono::days(day))};
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), rest / 3'600'000,
-                     rest / 60'000 % 60, rest / 1000 % 60, rest % 1000);
+  const double whole = std::floor(static_cast<double>(milliseconds) / 1000);
+  return fmt::format("{}.{:03}Z", RecorderTimeText(whole), milliseconds - 1000 * static_cast<int64_t>(whole));
 }
 
 }  // namespace turnscale

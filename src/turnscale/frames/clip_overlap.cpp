@@ -24,8 +24,8 @@ constexpr int kBlockSide = 4;
 // consecutive or this far apart: at any rate, a jump is more than the motion of a moment. On recorded drives at 10
 // images per second, consecutive images differ by less, and most gaps of a second by more.
 constexpr double kLeastJump = 1.5;
-// The same where images are missing as likely as not. On recorded drives, consecutive images differ by less in 97 of
-// 100 places, and those a second apart by more in at least 95.
+// The same where images are missing as likely as not. On recorded drives, consecutive images rarely differ by more,
+// and images a second apart rarely by less.
 constexpr double kLeastLikelyJump = 1.2;
 constexpr double kShortlyBefore = 1;
 constexpr double kMoment = 0.09;

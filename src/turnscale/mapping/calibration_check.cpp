@@ -97,15 +97,13 @@ double AppliedCorrection(const CameraModel& camera) {
   return weights > 0 ? sum / weights : camera.radial_correction;
 }
 
-// Nothing is known of these entries.
-void Ignore(IntrinsicsChange::Entry first, int count, Matrix& information, Vector& vector) {
-  information.middleRows(first, count).setZero();
-  information.middleCols(first, count).setZero();
-  vector.segment(first, count).setZero();
-}
-
-void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
-  Ignore(IntrinsicsChange::kCorrection4, kHigherTermsOfLens, evidence.information, evidence.gradient);
+// Takes entries out of what windows tell: they stay as they are.
+void Hold(const std::vector<IntrinsicsChange::Entry>& entries, Matrix& information, Vector& vector) {
+  for (const IntrinsicsChange::Entry entry : entries) {
+    information.row(entry).setZero();
+    information.col(entry).setZero();
+    vector[entry] = 0;
+  }
 }
 
 }  // namespace
@@ -196,7 +194,8 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
-  const bool is_rolling = known.change[IntrinsicsChange::kReadout] != 0;
+  std::vector<IntrinsicsChange::Entry> held = {IntrinsicsChange::kLogAspect};
+  if (known.change[IntrinsicsChange::kReadout] == 0) held.push_back(IntrinsicsChange::kReadout);
   // The first window begins with the correction that is applied.
   if (!windows_.empty()) window.Change(known.change);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
@@ -205,15 +204,17 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     window.EstimatePixelSigma();
     std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return std::nullopt;
-    if (options_.higher_prior_sigma == 0) IgnoreHigherTerms(*evidence);
-    const Reading reading = Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
-    Ignore(IntrinsicsChange::kLogAspect, 1, evidence->information, evidence->gradient);
-    if (!is_rolling) Ignore(IntrinsicsChange::kReadout, 1, evidence->information, evidence->gradient);
-    const Matrix total = deflation * evidence->information + known_information;
-    const Vector slope = deflation * evidence->gradient + known_information * (evidence->at - known.change);
+    if (options_.higher_prior_sigma == 0)
+      Hold({IntrinsicsChange::kCorrection4, IntrinsicsChange::kCorrection6}, evidence->information, evidence->gradient);
+    Matrix information = deflation * evidence->information;
+    Vector gradient = deflation * evidence->gradient;
+    Hold(held, information, gradient);
+    const Matrix total = information + known_information;
+    const Vector slope = gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);
     if (!step.allFinite()) return std::nullopt;
-    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep) return reading;
+    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
+      return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
     window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
@@ -245,8 +246,7 @@ ParameterEstimate CalibrationCheck::Aspect() const {
 
 IntrinsicsEstimate CalibrationCheck::EstimateWithout(const std::vector<IntrinsicsChange::Entry>& held) const {
   std::vector<Reading> windows = windows_;
-  for (Reading& reading : windows)
-    for (const IntrinsicsChange::Entry entry : held) Ignore(entry, 1, reading.information, reading.weighted_minimum);
+  for (Reading& reading : windows) Hold(held, reading.information, reading.weighted_minimum);
   // Terms that are not estimated stay at zero, as nothing refers to them.
   const Matrix prior_covariance =
       Covariance({.focal = options_.focal_prior_sigma,
@@ -303,7 +303,7 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
   const Pinhole found = ChangedPinhole(given_, estimate.change);
   Vector distortion = WeightsOfDistortion(given_);
   if (options_.higher_prior_sigma == 0)
-    distortion.segment<kHigherTermsOfLens>(IntrinsicsChange::kCorrection4).setZero();
+    distortion[IntrinsicsChange::kCorrection4] = distortion[IntrinsicsChange::kCorrection6] = 0;
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
@@ -335,9 +335,9 @@ bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {
 
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   if (windows_.empty()) return {};
-  // The others were estimated as if it were right.
-  if (const ParameterEstimate aspect = Aspect(); Contradicts(aspect)) return {aspect};
   std::vector<ParameterEstimate> contradictions = Parameters(camera);
+  // The others were estimated as if the aspect were right.
+  if (const ParameterEstimate& aspect = contradictions.back(); Contradicts(aspect)) return {aspect};
   std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
   return contradictions;
 }

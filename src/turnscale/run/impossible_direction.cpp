@@ -42,18 +42,12 @@ Eigen::Quaterniond WorldFromVehicle(const FrameResult& frame) {
 // 0 where no two frames in sequence are measured.
 double MovingSpeed(const std::vector<FrameResult>& frames) {
   std::vector<std::pair<double, double>> steps;  // speed and length
-  double length = 0;
   for (size_t i = 1; i < frames.size(); ++i) {
     if (!frames[i].is_measured() || !frames[i - 1].is_measured()) continue;
-    const double step = DistanceBetween(frames[i - 1], frames[i]);
-    steps.emplace_back(step / (frames[i].time - frames[i - 1].time), step);
-    length += step;
+    const double length = DistanceBetween(frames[i - 1], frames[i]);
+    steps.emplace_back(length / (frames[i].time - frames[i - 1].time), length);
   }
-  std::ranges::sort(steps);
-  double slower = 0;
-  for (const auto& [speed, step] : steps)
-    if ((slower += step) >= 0.5 * length) return speed;
-  return 0;
+  return WeightedMedian(std::move(steps));
 }
 
 // Each is that of a part of the path of this length or a little more. Both lengths are in the unit of the poses.

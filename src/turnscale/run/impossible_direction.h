@@ -15,8 +15,8 @@ namespace turnscale {
 struct ImpossibleDirection {
   double from = 0;  ///< time, seconds
   double to = 0;    ///< time, seconds
-  std::optional<double> distance =
-      std::nullopt;  ///< length of its path, metres; empty in a trajectory that is up to scale
+  /// Length of its path, metres; empty in a trajectory that is up to scale.
+  std::optional<double> distance = std::nullopt;
   double up = 0;     ///< of the worst place, radians, by which the car moves upwards; negative: downwards
   double aside = 0;  ///< of the worst place, radians, by which it moves to the right; negative: to the left
 };
