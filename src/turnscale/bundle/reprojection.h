@@ -15,6 +15,14 @@ inline bool IsInFront(const Eigen::Vector3d& x_in_camera) {
   return x_in_camera.z() > 1e-3 * (std::abs(x_in_camera.x()) + std::abs(x_in_camera.y()));
 }
 
+/// Derivative of a point's pixel by the point in the camera frame. The point is in front of the camera.
+inline Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x) {
+  Eigen::Matrix<double, 2, 3> by_x;
+  by_x << pinhole.fx / x.z(), 0, -pinhole.fx * x.x() / (x.z() * x.z()),  //
+      0, pinhole.fy / x.z(), -pinhole.fy * x.y() / (x.z() * x.z());
+  return by_x;
+}
+
 /// Reprojection error (24) over sigma. The point is in front of the camera.
 inline Eigen::Vector2d ReprojectionResidual(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
                                             const Eigen::Vector2d& pixel, double inverse_sigma) {

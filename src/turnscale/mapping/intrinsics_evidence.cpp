@@ -15,6 +15,7 @@
 #include "turnscale/bundle/reprojection.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/rolling_shutter.h"
 
 namespace turnscale {
 namespace {
@@ -119,28 +120,6 @@ std::optional<Prediction> Predict(const CameraModel& camera, const Vector& chang
   return std::nullopt;
 }
 
-// Derivative of the pixel by the point in the camera's frame.
-Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x) {
-  Eigen::Matrix<double, 2, 3> by_x;
-  by_x << pinhole.fx / x.z(), 0, -pinhole.fx * x.x() / (x.z() * x.z()),  //
-      0, pinhole.fy / x.z(), -pinhole.fy * x.y() / (x.z() * x.z());
-  return by_x;
-}
-
-// How far a landmark moves in the image while its row waits, at the speed between the keyframes before and after:
-// pixels per second of the readout. The time of the image is that of its middle row.
-Eigen::Vector2d RowMotion(const Map& map, const IntrinsicsWindow& window, const CameraModel& camera, int keyframe,
-                          const Eigen::Vector3d& position, double row) {
-  const Keyframe& before = map.keyframes[std::max(keyframe - 1, window.first)];
-  const Keyframe& after = map.keyframes[std::min(keyframe + 1, window.last)];
-  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
-  if (camera.height == 0 || !(after.time > before.time) || !IsInFront(x)) return Eigen::Vector2d::Zero();
-  const Eigen::Vector3d speed =
-      (after.camera_from_world * position - before.camera_from_world * position) / (after.time - before.time);
-  const double share = (row - 0.5 * (camera.height - 1)) / camera.height;
-  return share * (ProjectionJacobian(camera.pinhole, x) * speed);
-}
-
 // The row of a landmark at `x` in the camera's frame. Residuals are those of the distorted image: the correction does
 // not scale their noise. Derivatives are taken at the predicted pixel: those at the measured one are correlated with
 // its noise, which biases the correction.
@@ -184,8 +163,7 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
       if (!distorted || !UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>())) continue;
       bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
-      row_motion_.push_back(
-          RowMotion(map, window, camera, seen.keyframe, map.landmarks[track.landmark].position, distorted->y()));
+      row_motion_.push_back(RowMotion(map, seen.keyframe, map.landmarks[track.landmark].position, distorted->y()));
       stretch_.push_back(1);
     }
   }

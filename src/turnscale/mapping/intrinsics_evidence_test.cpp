@@ -11,6 +11,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/rolling_shutter.h"
 #include "turnscale/mapping/synthetic_map.h"
 #include "turnscale/mapping/test_intrinsics.h"
 
@@ -48,20 +49,6 @@ Eigen::Vector2d Distorted(const CameraModel& given, const Vector& change, const 
     pixel += focal * corrected.jacobian.inverse() * focal.inverse() * (ideal - corrected.pixel);
   }
   return pixel;
-}
-
-// How far a point moves in the image of a keyframe while a row waits, pixels per second of readout.
-Eigen::Vector2d RowMotion(const Map& map, int last, int keyframe, const Eigen::Vector3d& point, double row) {
-  const Keyframe& before = map.keyframes[std::max(keyframe - 1, 0)];
-  const Keyframe& after = map.keyframes[std::min(keyframe + 1, last)];
-  const Eigen::Vector3d speed =
-      (after.camera_from_world * point - before.camera_from_world * point) / (after.time - before.time);
-  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * point;
-  constexpr double kStep = 1e-4;
-  const Pinhole& pinhole = map.camera.pinhole;
-  const Eigen::Vector2d motion =
-      (pinhole.Project(x + kStep * speed) - pinhole.Project(x - kStep * speed)) / (2 * kStep);
-  return (row - 0.5 * (map.camera.height - 1)) / map.camera.height * motion;
 }
 
 // What a camera sees, and how far each pixel moves while its row waits.
@@ -116,7 +103,7 @@ void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   SeenPixels raw;
   for (const BundleObservation& seen : bundle.observations) {
     raw.raw.push_back(*camera.Project(camera.pinhole.Ray(seen.pixel)));
-    raw.row_motion.push_back(RowMotion(map, window.last, seen.camera, bundle.points[seen.point], raw.raw.back().y()));
+    raw.row_motion.push_back(RowMotion(map, seen.camera, bundle.points[seen.point], raw.raw.back().y()));
   }
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();

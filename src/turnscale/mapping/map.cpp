@@ -37,6 +37,13 @@ void RemoveObservation(Map& map, int keyframe, int landmark) {
                 [&](const LandmarkObservation& seen) { return seen.keyframe == keyframe; });
 }
 
+void CopyPixelsToLandmarks(Map& map) {
+  std::vector<size_t> done(map.landmarks.size(), 0);
+  for (const Keyframe& keyframe : map.keyframes)
+    for (const KeyframeObservation& seen : keyframe.observations)
+      map.landmarks[seen.landmark].observations[done[seen.landmark]++].pixel = seen.pixel;
+}
+
 void CorrectLens(Map& map, double radial_correction) {
   const double before = std::exchange(map.camera.radial_correction, radial_correction);
   cv::parallel_for_(cv::Range(0, CountKeyframes(map)), [&](const cv::Range& range) {
@@ -44,11 +51,7 @@ void CorrectLens(Map& map, double radial_correction) {
       for (KeyframeObservation& seen : map.keyframes[k].observations)
         seen.pixel = ChangeRadialCorrection(map.camera.pinhole, before, radial_correction, seen.pixel);
   });
-  // Each observation stands on both sides, a landmark's in the order of the keyframes.
-  std::vector<size_t> done(map.landmarks.size(), 0);
-  for (const Keyframe& keyframe : map.keyframes)
-    for (const KeyframeObservation& seen : keyframe.observations)
-      map.landmarks[seen.landmark].observations[done[seen.landmark]++].pixel = seen.pixel;
+  CopyPixelsToLandmarks(map);
 }
 
 void RemoveLandmark(Map& map, int landmark) {

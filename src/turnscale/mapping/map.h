@@ -80,6 +80,10 @@ void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d&
 /// Forgets that a keyframe saw a landmark, on both sides.
 void RemoveObservation(Map& map, int keyframe, int landmark);
 
+/// Sets the pixels of landmarks' observations to those of the keyframes. A landmark's have to be in the order of their
+/// keyframes.
+void CopyPixelsToLandmarks(Map& map);
+
 /// Changes the radial correction of the camera, and with it the pixels of all observations. A landmark's have to be in
 /// the order of their keyframes.
 void CorrectLens(Map& map, double radial_correction);

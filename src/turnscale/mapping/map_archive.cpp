@@ -13,6 +13,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/mapping/rolling_shutter.h"
 
 namespace turnscale {
 namespace {
@@ -159,6 +160,7 @@ ArchivedPart MapArchive::Load(int first, int last, const Map& map) const {
       ++keyframe;
     }
   }
+  if (map.camera.readout != 0) CorrectRows(part.map);
   return part;
 }
 

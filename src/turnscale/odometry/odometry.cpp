@@ -146,6 +146,7 @@ void Odometry::Finish() {
   Readjust();
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
+  if (const std::optional<ShutterReadout> readout = ReadoutOfDrive()) map_.camera.readout = readout->seconds;
   AdjustWholeDrive();
   refined_ = Refined();
   const bool uses_single_turns = refined_->estimate && refined_->estimate->uses_single_turns;
@@ -349,7 +350,11 @@ void Odometry::AdjustWholeDrive() {
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
   failed_adjustments_ += AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
-  scale_.Reread(map_);
+  // In turns, a rolling shutter looks like another roll of the camera.
+  if (map_.camera.readout != 0)
+    scale_.RereadBiased(map_);
+  else
+    scale_.Reread(map_);
 }
 
 void Odometry::ConstrainTurnsOfDrive() {
@@ -406,6 +411,12 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
 
 ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined_) : scale_.state(); }
 
+std::optional<ShutterReadout> Odometry::ReadoutOfDrive() const {
+  const CalibrationCheck check = calibration_check();
+  // A wrong camera may look like a rolling shutter.
+  return check.Contradictions(map_.camera).empty() ? check.Readout() : std::nullopt;
+}
+
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const CalibrationCheck check = calibration_check();
@@ -413,8 +424,7 @@ RefinedScale Odometry::Refined() const {
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
-  // A wrong camera may look like a rolling shutter.
-  if (contradictions.empty()) refined.readout = check.Readout();
+  refined.readout = ReadoutOfDrive();
   BridgeGapsOf(refined);
   return refined;
 }

@@ -49,7 +49,7 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
 std::string ShutterText(const ScaleSummary& scale) {
   if (!scale.readout) return {};
   const bool is_downwards = scale.readout->seconds > 0;
-  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} row of the image to the {}, not modelled\n",
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} row of the image to the {}; corrected\n",
                      1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma,
                      is_downwards ? "top" : "bottom", is_downwards ? "bottom" : "top");
 }
