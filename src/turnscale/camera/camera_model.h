@@ -32,8 +32,8 @@ struct CameraModel {
   /// Standard deviation of the focal length, pixels; 0 if the camera file does not state it. Of both axes together.
   double focal_sigma = 0;
 
-  /// Readout time of a rolling shutter from the top row to the bottom one, seconds; below 0 from the bottom to the top, 0
-  /// of a global shutter. The time of an image is that of its middle row. Project and Undistort are of one instant.
+  /// Readout time of a rolling shutter from the top row to the bottom one, seconds; below 0 from the bottom to the top,
+  /// 0 of a global shutter. The time of an image is that of its middle row. Project and Undistort are of one instant.
   double readout = 0;
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.

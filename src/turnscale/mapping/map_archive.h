@@ -41,8 +41,8 @@ class MapArchive {
   std::vector<int> Retire(int last, Map& map);
 
   /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and the camera of `map`: their pixels
-  /// get its radial correction, and are corrected for the readout time of its rows (CorrectRows). Landmarks stand where the latest of these blocks has them. Not for several threads at
-  /// once.
+  /// get its radial correction, and are corrected for the readout time of its rows (CorrectRows). Landmarks stand where
+  /// the latest of these blocks has them. Not for several threads at once.
   ArchivedPart Load(int first, int last, const Map& map) const;
 
   /// Overwrites the positions of a part's landmarks.

@@ -14,7 +14,8 @@ namespace turnscale {
 Eigen::Vector2d RowMotion(const Map& map, int keyframe, const Eigen::Vector3d& position, double row);
 
 /// Moves all pixels of valid landmarks to where they would be if all rows were read together, by the camera's readout.
-/// Poses and landmarks stay: they tell the motion. A landmark's observations have to be in the order of their keyframes.
+/// Poses and landmarks stay: they tell the motion. A landmark's observations have to be in the order of their
+/// keyframes.
 void CorrectRows(Map& map);
 
 }  // namespace turnscale

@@ -68,24 +68,6 @@ TEST(SectionAdjustment, TakesOutDriftAcrossSections) {
   EXPECT_LT(largest_pixel, 0.2) << "landmarks go along";
 }
 
-TEST(SectionAdjustment, AllowsForARollingShutter) {
-  const CarDrive drive =
-      MakeCarDrive({{70, 0.8, 0}, {30, 0.8, 0.05}, {70, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
-  const SyntheticStreet street = {.points_per_step = 20, .pixel_noise = 0, .readout = 0.02};
-  const Map truth = MakeMap(drive, street);
-  const auto error = [&](double readout) {
-    Map map = truth;
-    map.camera.readout = readout;
-    MapArchive archive;
-    archive.Retire(CountKeyframes(map), map);
-    AdjustSections(kOptions, archive, map);
-    return LargestError(map, truth);
-  };
-  const double without = error(0);
-  EXPECT_GT(without, 0.3) << "of 136 m";
-  EXPECT_LT(error(street.readout), 0.1 * without);
-}
-
 TEST(SectionAdjustment, OneSectionIsTheAdjustmentOfTheWhole) {
   Map whole = StreetMap(0.3);
   Drift(40, 1.03, whole);

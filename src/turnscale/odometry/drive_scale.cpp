@@ -53,13 +53,6 @@ void DriveScale::Reread(const Map& map) {
   Reread(map, std::move(mount), {.first = 0, .end = keyframes, .final_before = 0});
 }
 
-void DriveScale::RereadBiased(const Map& map) {
-  MountCalibration anew(options_.vehicle);
-  anew.TakeJumps(mount_);
-  mount_ = std::move(anew);
-  Reread(map);
-}
-
 void DriveScale::Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), YawSigma(options_.vehicle, mount_.current())); };
   const auto before = knowledge();

@@ -51,8 +51,6 @@ class DriveScale {
   void Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes);
   /// All keyframes have been adjusted: learns from those that are new, and re-evaluates the whole drive.
   void Reread(const Map& map);
-  /// The same where the poses so far were biased: learns the camera-to-vehicle rotation anew from all keyframes.
-  void RereadBiased(const Map& map);
 
   ScaleState state() const { return live_path_.state(); }
   double sigma() const { return live_path_.sigma(); }  ///< relative, at the latest keyframe; infinite while pending

@@ -350,11 +350,7 @@ void Odometry::AdjustWholeDrive() {
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
   failed_adjustments_ += AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
-  // In turns, a rolling shutter looks like another roll of the camera.
-  if (map_.camera.readout != 0)
-    scale_.RereadBiased(map_);
-  else
-    scale_.Reread(map_);
+  scale_.Reread(map_);
 }
 
 void Odometry::ConstrainTurnsOfDrive() {
