@@ -136,6 +136,7 @@ void CalibrationCheckOptions::Check() const {
   Require(min_aspect_error >= 0, "min_aspect_error: must not be negative");
   Require(min_readout >= 0, "min_readout: must not be negative");
   Require(significance > 0, "significance: has to be positive");
+  Require(doubt > 0, "doubt: has to be positive");
 }
 
 CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given, const Vector& expected)
@@ -340,6 +341,18 @@ std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraMode
   if (const ParameterEstimate& aspect = contradictions.back(); Contradicts(aspect)) return {aspect};
   std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
   return contradictions;
+}
+
+CalibrationVerdict CalibrationCheck::Verdict(const CameraModel& camera) const {
+  if (!Contradictions(camera).empty()) return CalibrationVerdict::kContradicted;
+  if (windows_.empty()) return CalibrationVerdict::kNotContradicted;
+  // A turn shows little of the aspect.
+  const auto is_in_doubt = [&](const ParameterEstimate& estimate) {
+    return estimate.parameter != IntrinsicsParameter::kPixelAspect &&
+           std::abs(estimate.found - estimate.given) > options_.doubt * estimate.sigma;
+  };
+  return std::ranges::any_of(Parameters(camera), is_in_doubt) ? CalibrationVerdict::kInDoubt
+                                                              : CalibrationVerdict::kNotContradicted;
 }
 
 }  // namespace turnscale

@@ -66,6 +66,9 @@ struct CalibrationCheckOptions {
   double min_aspect_error = 0.05;  ///< relative
   double min_readout = 0.004;      ///< seconds
   double significance = 3.0;
+  /// Least deviation that leaves the calibration in doubt, standard deviations: too little for a report, but what a
+  /// wrong calibration may look like is not taken for something else.
+  double doubt = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -90,6 +93,9 @@ struct ShutterReadout {
   double seconds = 0;
   double sigma = 0;
 };
+
+/// How a calibration has passed its test.
+enum class CalibrationVerdict { kNotContradicted, kInDoubt, kContradicted };
 
 /// Intrinsics of a drive as a difference from the given ones.
 struct IntrinsicsEstimate {
@@ -139,6 +145,8 @@ class CalibrationCheck {
   /// Those inconsistent with what is used, the aspect alone if it is; empty if the drive agrees or does not determine
   /// them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
+  /// In doubt if focal length, principal point or distortion deviate by more than `doubt` standard deviations.
+  CalibrationVerdict Verdict(const CameraModel& camera) const;
 
  private:
   /// The evidence of a window.

@@ -82,6 +82,17 @@ TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
   }
 }
 
+TEST(CalibrationCheck, AnErrorTooSmallForAReportLeavesTheCalibrationInDoubt) {
+  const auto verdict = [](double pixels) {
+    const Vector error = Change(0, pixels, 0, 0);
+    return CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 3)).Verdict(WithCorrection());
+  };
+  EXPECT_EQ(verdict(0), CalibrationVerdict::kNotContradicted);
+  EXPECT_EQ(verdict(8), CalibrationVerdict::kInDoubt);
+  EXPECT_EQ(verdict(25), CalibrationVerdict::kContradicted);
+  EXPECT_EQ(CalibrationCheck({}, kTestPinhole).Verdict(WithCorrection()), CalibrationVerdict::kNotContradicted);
+}
+
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
   const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0.015), 0.3, 4));
   const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());

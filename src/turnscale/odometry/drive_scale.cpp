@@ -130,8 +130,8 @@ void DriveScale::UpdateLive(const Map& map, LivePath::Change change) {
   live_path_.Update(map, HasMetres(options_.vehicle) ? live_.Now() : std::nullopt, change);
 }
 
-RefinedScale DriveScale::Refine(const Map& map, bool has_known_errors) const {
-  return RefineScale(map, mount_, heights_, options_, has_known_errors);
+RefinedScale DriveScale::Refine(const Map& map, CalibrationVerdict calibration) const {
+  return RefineScale(map, mount_, heights_, options_, calibration);
 }
 
 }  // namespace turnscale

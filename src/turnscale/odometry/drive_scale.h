@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "turnscale/kinematics/vehicle_step.h"
+#include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/live_path.h"
 #include "turnscale/odometry/metric_path.h"
@@ -61,7 +62,7 @@ class DriveScale {
   int last_turn_end() const { return live_path_.last_turn_end(); }
 
   /// The smoother over all keyframes of the map (RefineScale).
-  RefinedScale Refine(const Map& map, bool has_known_errors = false) const;
+  RefinedScale Refine(const Map& map, CalibrationVerdict calibration = CalibrationVerdict::kNotContradicted) const;
 
  private:
   /// Returns how the keyframe ended a turn.

@@ -417,7 +417,7 @@ RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const CalibrationCheck check = calibration_check();
   const std::vector<ParameterEstimate> contradictions = check.Contradictions(map_.camera);
-  RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
+  RefinedScale refined = scale_.Refine(map_, check.Verdict(map_.camera));
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
   refined.readout = ReadoutOfDrive();

@@ -32,7 +32,7 @@ MetricPath InOwnUnit(const Map& map) {
 }  // namespace
 
 RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const std::vector<MeasuredHeight>& heights,
-                         const OdometryOptions& options, bool has_known_errors) {
+                         const OdometryOptions& options, CalibrationVerdict calibration) {
   RefinedScale refined;
   const int count = CountKeyframes(map);
   refined.path = InOwnUnit(map);
@@ -43,9 +43,10 @@ RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const st
     return refined;
   }
   ScaleEstimatorOptions estimator = options.scale.estimator;
-  estimator.uses_single_turns =
-      estimator.uses_single_turns || has_known_errors || options.scale.method != ScaleMethod::kSmoothed;
-  estimator.stabilisation.enabled = estimator.stabilisation.enabled && !has_known_errors;
+  estimator.uses_single_turns = estimator.uses_single_turns || calibration == CalibrationVerdict::kContradicted ||
+                                options.scale.method != ScaleMethod::kSmoothed;
+  estimator.stabilisation.enabled =
+      estimator.stabilisation.enabled && calibration == CalibrationVerdict::kNotContradicted;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options.vehicle, mount.current()), estimator);
   if (!HasMetres(options.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "turnscale/kinematics/vehicle_step.h"
+#include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
@@ -15,11 +16,11 @@
 
 namespace turnscale {
 
-/// The scale of a drive, estimated from all keyframes of the map (EstimateScale). `has_known_errors`: the steps have
-/// errors beyond their noise, as from a contradicted calibration. Then single-turn scales are used, and no
-/// stabilisation is looked for.
+/// The scale of a drive, estimated from all keyframes of the map (EstimateScale). With a contradicted calibration, the
+/// steps have errors beyond their noise, so that single-turn scales are used. Where it is in doubt or contradicted, no
+/// stabilisation is looked for: a principal point that is a little off looks like a lag.
 RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const std::vector<MeasuredHeight>& heights,
-                         const OdometryOptions& options, bool has_known_errors);
+                         const OdometryOptions& options, CalibrationVerdict calibration);
 
 /// A turn as results list it. `steps` are those of the estimate, along keyframes or other poses; `frame_of` gives the
 /// frame of each.

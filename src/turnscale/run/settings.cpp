@@ -81,6 +81,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("min_reduction_significance", o.min_reduction_significance);
     visitor.Field("min_scale_change", o.min_scale_change);
     visitor.Field("lag_sigma", o.lag_sigma);
+    visitor.Field("min_lag_turns", o.min_lag_turns);
     visitor.Field("max_lag_sigma", o.max_lag_sigma);
     visitor.Field("min_smoothing", o.min_smoothing);
     visitor.Field("min_smoothing_deviation", o.min_smoothing_deviation);
@@ -245,6 +246,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("min_aspect_error", o.min_aspect_error);
     visitor.Field("min_readout", o.min_readout);
     visitor.Field("significance", o.significance);
+    visitor.Field("doubt", o.doubt);
   });
   visitor.Group("self_calibration", [&] {
     auto& o = settings.self_calibration;

@@ -45,8 +45,9 @@ std::string StabilisationWarning(const ScaleEstimate& estimate) {
   if (const std::optional<ImageLag>& lag = estimate.image_lag)
     text += fmt::format(
         "in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which the scale allows, with a larger "
-        "sigma; ",
-        lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma);
+        "sigma{}; ",
+        lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma,
+        lag->is_confirmed ? "" : ", as with so few turns a principal point that is a little off looks the same");
   if (const std::optional<ImageSmoothing>& smoothing = estimate.image_smoothing)
     text += fmt::format(
         "they begin to turn before the car does, and turn on after it, by which{} the scale may be off by {:.0f} % or "

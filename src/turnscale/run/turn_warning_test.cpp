@@ -80,6 +80,9 @@ TEST(StabilisationWarning, SaysHowTheImagesMove) {
       "which the scale allows, with a larger sigma; they begin to turn before the car does, and turn on after it, "
       "by which" +
           advice);
+  estimate.image_lag->is_confirmed = false;
+  EXPECT_NE(StabilisationWarning(estimate).find("with a larger sigma, as with so few turns a principal point"),
+            std::string::npos);
   estimate.image_lag->found = -0.1;
   EXPECT_NE(StabilisationWarning(estimate).find("is ahead of the car's by 0.10"), std::string::npos);
 }

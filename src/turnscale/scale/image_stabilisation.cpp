@@ -84,6 +84,7 @@ void StabilisationOptions::Check() const {
   Require(min_reduction_significance > 0, "min_reduction_significance: has to be positive");
   Require(min_scale_change >= 0, "min_scale_change: must not be negative");
   Require(lag_sigma > 0 && lag_sigma < 10, "lag_sigma: has to be above 0 and below 10 s");
+  Require(min_lag_turns >= 0, "min_lag_turns: must not be negative");
   Require(max_lag_sigma > 0, "max_lag_sigma: has to be positive");
   Require(min_smoothing > 0, "min_smoothing: has to be positive");
   Require(min_smoothing_deviation > 0, "min_smoothing_deviation: has to be positive");

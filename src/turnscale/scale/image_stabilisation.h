@@ -17,6 +17,7 @@ namespace turnscale {
 struct ImageLag {
   double found = 0;  ///< s; negative: the mean is over later orientations
   double found_sigma = 0;
+  bool is_confirmed = true;  ///< by enough turns, or known beforehand
 };
 
 /// Smoothing of images that electronic stabilisation turns to a mean of orientations before and after each: the images
@@ -43,6 +44,9 @@ struct StabilisationOptions {
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;
+  /// Used turns from which on they confirm a lag, since it has to explain more of them than it has unknowns. With
+  /// fewer, sigma covers the scale without it: a principal point that is a little off looks the same.
+  int min_lag_turns = 4;
   /// Largest standard deviation of a lag that is found, s. Turns of similar speeds give a larger one.
   double max_lag_sigma = 0.05;
   /// Least smoothing, standard deviation of the times, s: transients of the tyres and of the body look like a little of

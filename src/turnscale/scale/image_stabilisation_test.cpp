@@ -46,7 +46,9 @@ struct StabilisedDrive {
   Trajectory path;  ///< in an arbitrary unit
   double metres = 0;
 };
-StabilisedDrive MakeStabilised(const Stabiliser& stabiliser, double interval, const LeverArm& car = kCar) {
+const std::vector<double> kTurnSpeeds = {3.0, 7.0, 4.0, 8.0, 5.0, 3.5, 6.5, 7.5, 4.5, 5.5};
+StabilisedDrive MakeStabilised(const Stabiliser& stabiliser, double interval, const LeverArm& car = kCar,
+                               const std::vector<double>& turn_speeds = kTurnSpeeds) {
   constexpr double kBetween = 5;  // seconds of a straight
   constexpr double kMostDelay = 2.5;
   std::vector<double> headings = {0};
@@ -60,7 +62,7 @@ StabilisedDrive MakeStabilised(const Stabiliser& stabiliser, double interval, co
   const auto straight = [](double) { return 0.0; };
   drive_on(kBetween, 6, straight);
   double side = 1;
-  for (const double speed : {3.0, 7.0, 4.0, 8.0, 5.0, 3.5, 6.5, 7.5, 4.5, 5.5}) {
+  for (const double speed : turn_speeds) {
     const double seconds = 22 / speed;
     drive_on(kBetween, speed, straight);
     drive_on(seconds, speed, [&](double time) {
@@ -120,7 +122,23 @@ TEST(ImageStabilisation, AllowsForALag) {
       EXPECT_NEAR(estimate.image_lag->found, lag, 2 * estimate.image_lag->found_sigma + 0.5 * interval);
       EXPECT_LT(std::abs(RelativeError(estimate, drive)), 2 * estimate.length_sigma) << lag << ", " << interval;
       EXPECT_FALSE(estimate.has_reliable_car());
+      EXPECT_TRUE(estimate.image_lag->is_confirmed);
     }
+}
+
+TEST(ImageStabilisation, SigmaCoversALagThatTwoTurnsShow) {
+  const StabilisedDrive drive = MakeStabilised(DelayedBy(0.2), 0.1, kCar, {3, 8});
+  const ScaleEstimate estimate = EstimateOf(drive);
+  ASSERT_TRUE(estimate.image_lag);
+  EXPECT_FALSE(estimate.image_lag->is_confirmed);
+  ScaleEstimatorOptions options;
+  options.stabilisation.enabled = false;
+  const ScaleEstimateResult without = EstimateScale(CutIntoSteps(drive.path, {}, true, {}), KnownCar(kCar), options);
+  ASSERT_TRUE(without.estimate);
+  const double change = std::log(Metres(estimate) / Metres(*without.estimate));
+  EXPECT_GT(std::abs(change), 0.1);
+  EXPECT_GT(estimate.length_sigma, 0.7 * std::abs(change)) << "there may be none";
+  EXPECT_LT(std::abs(RelativeError(estimate, drive)), estimate.length_sigma);
 }
 
 TEST(ImageStabilisation, ADelayAloneIsNoSmoothing) {
@@ -328,6 +346,7 @@ TEST(StabilisationOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.min_reduction_significance = 0; }), "min_reduction_significance");
   EXPECT_EQ(refused([](auto& o) { o.min_scale_change = -1; }), "min_scale_change");
   EXPECT_EQ(refused([](auto& o) { o.lag_sigma = 0; }), "lag_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.min_lag_turns = -1; }), "min_lag_turns");
   EXPECT_EQ(refused([](auto& o) { o.max_lag_sigma = 0; }), "max_lag_sigma");
   EXPECT_EQ(refused([](auto& o) { o.min_smoothing = 0; }), "min_smoothing");
   EXPECT_EQ(refused([](auto& o) { o.min_smoothing_deviation = 0; }), "min_smoothing_deviation");

@@ -130,6 +130,14 @@ double ErrorByLag(const DriveEvidence& evidence, const PriorFit& fit, const Scal
   return std::hypot(with_lag.mean[kLogScale] - without_lag.mean[kLogScale], std::sqrt(std::max(0.0, more)));
 }
 
+double ChangeByFreedLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options) {
+  const CarPrior car = WithFreed({.yaw = fit.freed.yaw, .lag = false}, fit.given, options);
+  const auto without = SmoothFrom(StartingState(car, evidence.of_turns), evidence, WithoutHeight(car), options);
+  if (!without) return 0;
+  return std::abs(fit.drive->smoothed.segments.back().mean[kLogScale] -
+                  without->smoothed.segments.back().mean[kLogScale]);
+}
+
 ScaleProblem StartingProblem(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options) {
   const DriveState start = StartingState(car, evidence.of_turns);
   return ProblemOf(evidence, SelectTurns(evidence.of_segments, car, start, options.evidence), options);

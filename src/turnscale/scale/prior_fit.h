@@ -35,6 +35,9 @@ CarPrior WithoutHeight(CarPrior car);
 /// the prior allows for a lag. `fit.drive` must not be empty.
 double ErrorByLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options);
 
+/// By how much the lag that was freed changes the scale, relative. `fit.drive` must not be empty.
+double ChangeByFreedLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options);
+
 /// The unsmoothed problem of a drive, with the turns that are selected at the start.
 ScaleProblem StartingProblem(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options);
 

@@ -188,6 +188,15 @@ void CoverSmoothing(const DriveEvidence& evidence, const PriorFit& fit, const Sc
   Widen(error, estimate);
 }
 
+// Few turns do not confirm a lag: sigma grows by what it changes.
+void CoverLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options,
+              ScaleEstimate& estimate) {
+  const auto used = std::ranges::count_if(estimate.turns, &TurnEstimate::used);
+  if (!fit.freed.lag || used >= options.stabilisation.min_lag_turns) return;
+  estimate.image_lag->is_confirmed = false;
+  Widen(ChangeByFreedLag(evidence, fit, options), estimate);
+}
+
 // No metres: the turns are left without a scale.
 ScaleEstimateResult WithoutEstimate(std::string reason, std::vector<TurnEstimate> turns) {
   ScaleEstimateResult result;
@@ -217,6 +226,7 @@ ScaleEstimateResult JointEstimate(const DriveEvidence& evidence, const PriorFit&
   estimate.test = TestOf(estimate.turns, drive, car, options.test);
   estimate.slip_conflict = SlipConflictOf(estimate.test, drive, car, options.test);
   InflateAndDescribe(drive, car, options.max_sigma, estimate);
+  CoverLag(evidence, fit, options, estimate);
   CoverSmoothing(evidence, fit, options, estimate);
   result.estimate = std::move(estimate);
   return result;
