@@ -75,7 +75,8 @@ std::vector<Contribution> Contributions(const DriveFacts& drive, const RefinedSc
 }
 
 // Where the scale is known worst along the drive: between turns it drifts.
-std::string FarText(const RefinedScale& scale, const std::vector<FrameResult>& frames, double worst_time) {
+std::string FarText(const RefinedScale& scale, const std::vector<FrameResult>& frames, double worst_time,
+                    double first_time) {
   double nearest = HUGE_VAL;
   const auto time_of = [&](int number) -> std::optional<double> {
     const auto frame = std::ranges::lower_bound(frames, number, {}, &FrameResult::frame);
@@ -88,9 +89,10 @@ std::string FarText(const RefinedScale& scale, const std::vector<FrameResult>& f
       nearest = std::min(nearest, std::max({0.0, *first - worst_time, worst_time - *last}));
   }
   if (!std::isfinite(nearest)) return "no turn is used, and the scale drifts along the drive";
-  if (nearest == 0) return "there it follows from one turn that tells little";
-  return fmt::format("there the nearest turn that is used is {:.0f} s away, and the scale drifts between turns",
-                     nearest);
+  if (nearest == 0)
+    return fmt::format("at {:.1f} s it follows from one turn, which tells little", worst_time - first_time);
+  return fmt::format("at {:.1f} s the nearest turn that is used is {:.0f} s away, and the scale drifts between turns",
+                     worst_time - first_time, nearest);
 }
 
 }  // namespace
@@ -111,7 +113,7 @@ std::string SigmaReason(const DriveFacts& drive, const std::vector<FrameResult>&
   // The scale of a part of the path may be known much worse than the whole length.
   constexpr double kMuchLarger = 1.5;
   if (parts.empty() || summary.worst_sigma > kMuchLarger * summary.path_sigma)
-    parts.push_back({summary.worst_sigma, FarText(scale, frames, summary.worst_sigma_time)});
+    parts.push_back({summary.worst_sigma, FarText(scale, frames, summary.worst_sigma_time, drive.given.first_time)});
   std::string text;
   for (const Contribution& part : parts) text += (text.empty() ? "" : "; ") + part.text;
   return text;

@@ -71,7 +71,8 @@ TEST(SigmaReason, WhatContributesMostIsNamedFirst) {
 
 TEST(SigmaReason, APlaceFarFromTurnsIsOne) {
   const RefinedScale scale = ScaleWith(0.05);
-  EXPECT_TRUE(ReasonOf(scale, 0.2).starts_with("there the nearest turn that is used is ")) << ReasonOf(scale, 0.2);
+  EXPECT_TRUE(ReasonOf(scale, 0.2).starts_with("at 9.9 s the nearest turn that is used is 9 s away"))
+      << ReasonOf(scale, 0.2);
   EXPECT_EQ(ReasonOf(scale, 0.09), "");
 }
 
