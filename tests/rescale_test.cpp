@@ -206,8 +206,8 @@ TEST_F(RescaleCommandTest, TheReportCanBeExported) {
   ASSERT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
   EXPECT_EQ(TextOf(folder_ / "report" / "rescaled.tum"), TextOf(Path("metric.tum")));
   const std::vector<std::string> arguments = {
-      "export", Path("report"), "--gpx",     "--geojson", "--interval",   "0",
-      "--origin", "49,8",       "--heading", "90",        "--start-time", "2026-03-22T07:14:05+01:00"};
+      "export",   Path("report"), "--gpx",     "--geojson", "--interval",   "0",
+      "--origin", "49,8",         "--heading", "90",        "--start-time", "2026-03-22T07:14:05+01:00"};
   const CommandResult result = RunCommand(arguments, folder_);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::string gpx = TextOf(folder_ / "report" / "path.gpx");
