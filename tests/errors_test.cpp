@@ -606,6 +606,31 @@ TEST_F(ErrorsTest, ACalibrationBesideAFolderOfImagesThatIsNotUsedIsNamed) {
   EXPECT_FALSE(warned(Drive())) << "it is used";
 }
 
+TEST_F(ErrorsTest, ACalibrationBesideTheUsedOneIsNamedWhereItContradicts) {
+  const auto warned = [&] {
+    const CommandResult result = RunCommand(
+        {"run", Drive().string(), "--out", Out().string(), "--fps", "10", "--max-frames", "4", "--quiet"}, folder_);
+    return result.err.find("calib.txt: is used, with the focal length ") != std::string::npos;
+  };
+  const CameraModel camera = ReadCameraFile(Drive() / "calib.txt");
+  const auto write = [&](double factor) {
+    CameraModel other = camera;
+    other.pinhole.fx *= factor;
+    other.pinhole.fy *= factor;
+    const cv::Mat image = cv::imread(Image(0).string());
+    other.width = image.cols;
+    other.height = image.rows;
+    std::ofstream(Drive() / "camera.yaml") << CameraFileText(other);
+  };
+  EXPECT_FALSE(warned());
+  write(1.002);
+  EXPECT_FALSE(warned());
+  write(1.1);
+  EXPECT_TRUE(warned());
+  std::ofstream(Drive() / "camera.yaml") << "settings: of another program\n";
+  EXPECT_FALSE(warned());
+}
+
 TEST_F(ErrorsTest, MissingImagesAreNamed) {
   for (int i = 8; i < 12; ++i) fs::remove(Image(i));
   const CommandResult result = Run({"--fps", "10", "--quiet"});

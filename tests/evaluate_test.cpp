@@ -142,6 +142,20 @@ TEST_F(EvaluateTest, AScaleErrorOf7PerCentIsShown) {
   EXPECT_TRUE(json["alignment_problem"].is_null());
 }
 
+TEST_F(EvaluateTest, TheLengthThatARunStatesIsNamedWhereItDiffers) {
+  fs::create_directories(folder_ / "run");
+  fs::copy_file(folder_ / "estimate/drive.tum", folder_ / "run/trajectory.tum");
+  const auto table = [&](const std::string& length) {
+    Text("run/summary.json", R"({"distance_m": )" + length + "}");
+    return Run({"run/trajectory.tum", "truth/drive.tum"}).out;
+  };
+  EXPECT_NE(table("315.04").find("path length   estimate 319.9 m from pose to pose; the run states 315.0 m for its"),
+            std::string::npos)
+      << table("315.04");
+  EXPECT_NE(table("319.93").find("path length   estimate 319.9 m from pose to pose\n"), std::string::npos);
+  EXPECT_NEAR(Scored({"run/trajectory.tum", "truth/drive.tum"})["path_length_of_run"].get<double>(), 319.93, 1e-9);
+}
+
 TEST_F(EvaluateTest, JsonGoesToAFileBesideTheTable) {
   const CommandResult result = Run({"estimate/drive.tum", "truth/drive.tum", "--json", (folder_ / "s.json").string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -202,6 +202,30 @@ TEST_F(RescaleCommandTest, ReplacesNoFileThatItReads) {
   EXPECT_EQ(TextOf(rotation).find("yaw_deg"), 0u);
 }
 
+TEST_F(RescaleCommandTest, TheReportCanBeExported) {
+  ASSERT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
+  EXPECT_EQ(TextOf(folder_ / "report" / "rescaled.tum"), TextOf(Path("metric.tum")));
+  const std::vector<std::string> arguments = {
+      "export",   Path("report"), "--gpx",     "--geojson", "--interval",   "0",
+      "--origin", "49,8",         "--heading", "90",        "--start-time", "2026-03-22T07:14:05+01:00"};
+  const CommandResult result = RunCommand(arguments, folder_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const std::string gpx = TextOf(folder_ / "report" / "path.gpx");
+  EXPECT_NE(gpx.find("<time>2026-03-22T06:14:0"), std::string::npos);
+  const auto json = nlohmann::json::parse(TextOf(folder_ / "report" / "path.geojson"));
+  EXPECT_EQ(json["features"][0]["geometry"]["coordinates"].size(), static_cast<size_t>(poses_));
+  fs::remove(Path("report/rescaled.tum"));
+  ExpectComplaint(RunCommand(arguments, folder_), 2, {"rescale again"});
+}
+
+TEST_F(RescaleCommandTest, PosesWithoutTimesAreNotExported) {
+  std::string kitti;
+  for (const StampedPose& pose : ReadTrajectory(Tum())) kitti += KittiLine(pose.world_from_camera, 9);
+  ASSERT_EQ(Run({Text("frames.txt", kitti), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
+  ExpectComplaint(RunCommand({"export", Path("report"), "--gpx", "--origin", "49,8", "--heading", "90"}, folder_), 2,
+                  {"the poses have no times; rescale again with --fps or --timestamps"});
+}
+
 TEST_F(RescaleCommandTest, WritesTheReport) {
   const CommandResult result = Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")});
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -206,6 +206,7 @@ Comparison Compare(const ComparisonFiles& arguments) {
   comparison.sources.estimated_poses = static_cast<int>(estimate.poses.size());
   comparison.sources.true_poses = static_cast<int>(truth.poses.size());
   comparison.sources.pairing = paired.by;
+  comparison.sources.run_length = PathLengthOfRun(arguments.estimate);
   comparison.sources.warnings = Warnings(arguments, paired, estimate.poses, truth.poses);
   // A run's own page shows its poses as they are.
   const bool keeps_axes = arguments.camera_rotation || !ScaleStateOfRun(arguments.estimate).empty();

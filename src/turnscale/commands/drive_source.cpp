@@ -19,6 +19,7 @@
 #include "turnscale/frames/image_rotation.h"
 #include "turnscale/frames/mask_file.h"
 #include "turnscale/frames/seen_images.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/mount_calibration.h"
@@ -191,6 +192,50 @@ std::string UnusedCamera(const ImageArguments& arguments, const DriveImages& ima
   return {};
 }
 
+// Largest angle between the rays that two cameras give to a pixel, rad, over a grid of the image; nothing where one of
+// them has none.
+std::optional<double> LargestDifference(const CameraModel& one, const CameraModel& two, const cv::Size& size) {
+  double largest = 0;
+  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d pixel(x * (size.width - 1), y * (size.height - 1));
+      const auto first = one.Undistort(pixel);
+      const auto second = two.Undistort(pixel);
+      if (!first || !second) return std::nullopt;
+      const Eigen::Vector3d a = one.pinhole.Ray(*first).normalized();
+      const Eigen::Vector3d b = two.pinhole.Ray(*second).normalized();
+      largest = std::max(largest, a.cross(b).norm());
+    }
+  return largest;
+}
+
+// One line where the calibration that is used and another one beside it are not of the same camera; else empty.
+std::string OtherCamera(const ImageArguments& arguments, const DriveImages& images) {
+  constexpr double kSame = 0.3 / kDegreesPerRadian;
+  const DriveInput& drive = images.drive;
+  if (!drive.camera_file || !drive.unused_camera_file || images.full_size.empty()) return {};
+  if (images.given.name != drive.camera_file->string()) return {};
+  CameraModel used;
+  CameraModel other;
+  try {
+    used = ReadCameraFile(*drive.camera_file);
+    other = ReadCameraFile(*drive.unused_camera_file);
+  } catch (const InputError&) {
+    // The name alone does not make it a calibration.
+    return {};
+  }
+  // The files are of the images before they are rotated.
+  cv::Size size = images.full_size;
+  if (arguments.rotate % 180 != 0) std::swap(size.width, size.height);
+  const std::optional<double> difference = LargestDifference(used, other, size);
+  if (difference && *difference < kSame) return {};
+  return fmt::format(
+      "{}: is used, with the focal length {:.4g} pixels; {} beside it has another calibration, {:.4g} pixels{}: "
+      "give --camera with the right one, or take away the other",
+      drive.camera_file->string(), used.pinhole.fx, drive.unused_camera_file->filename().string(), other.pinhole.fx,
+      other.lens == used.lens ? "" : " and another lens model");
+}
+
 }  // namespace
 
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
@@ -239,6 +284,7 @@ std::vector<std::string> WarningsOf(const ImageArguments& arguments, const Drive
   std::vector<std::string> warnings = images.source.left_out();
   if (!images.source.notice().empty()) warnings.push_back(images.source.notice());
   if (std::string unused = UnusedCamera(arguments, images); !unused.empty()) warnings.push_back(std::move(unused));
+  if (std::string other = OtherCamera(arguments, images); !other.empty()) warnings.push_back(std::move(other));
   for (std::string& doubt : DoubtsOf(images)) warnings.push_back(std::move(doubt));
   return warnings;
 }
@@ -323,15 +369,17 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   DriveMotion motion;
   motion.input = arguments.Name();
   if (estimate.found)
-    motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
-                              FocalLengthText(estimate.found->camera));
+    motion.note =
+        fmt::format("intrinsics estimated from the drive: focal length {} pixels", FocalLengthText(*estimate.found));
   auto [frames, scale, blending] = recorder.Refined();
   constexpr auto kError = "the rotation and the lever arm may be wrong";
   const ImageFindings findings{.is_upside_down = odometry.is_upside_down(),
                                .rotated = arguments.rotate,
                                .blending = blending,
                                .contradicted_calibration = scale.contradicted_calibration,
-                               .is_calibration_refined = estimate.found.has_value()};
+                               .is_calibration_refined = estimate.found.has_value(),
+                               .has_distortion = images.camera.lens != LensModel::kPinhole,
+                               .consequences = {}};
   for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
     progress.Warn(warning);
   const MountCalibration& mount = odometry.mount();

@@ -77,9 +77,9 @@ struct DriveImages {
 DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& image_options);
 
 /// Warnings before the first frame, one line each: clips that are left out; images that are missing; a calibration
-/// beside the input that is not used; images that are too small; coefficients that may be of a fisheye lens
-/// (DoubtOfLens); a principal point far from their centre where the calibration has no image size to check; pixels of
-/// another shape than the video says.
+/// beside the input that is not used, or that contradicts the one that is; images that are too small; coefficients that
+/// may be of a fisheye lens (DoubtOfLens); a principal point far from their centre where the calibration has no image
+/// size to check; pixels of another shape than the video says.
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images);
 
 struct TimedTrajectory {

@@ -36,6 +36,13 @@ std::string Lengths(const SegmentErrors& segments) {
   return text;
 }
 
+// A run measures its path along the keyframes, as the noise of all poses would add up.
+std::string OfRunText(const std::optional<double>& length, double from_pose_to_pose) {
+  constexpr double kShown = 0.05;
+  if (!length || std::abs(*length - from_pose_to_pose) < kShown) return {};
+  return fmt::format("; the run states {:.1f} m for its whole path, along the keyframes", *length);
+}
+
 Json StatisticsJson(const ErrorStatistics& statistics, const std::string& unit, double factor) {
   return {{"count", statistics.count},
           {"rmse_" + unit, factor * statistics.rms},
@@ -75,8 +82,10 @@ std::string EvaluationTable(const Evaluation& evaluation, const EvaluationSource
   const ScaledErrors& given = evaluation.as_given;
   std::string text = fmt::format("estimate      {}\nground truth  {}\n", sources.estimate, sources.ground_truth);
   text += fmt::format(
-      "paired        {} of {} poses with {} of ground truth, by {}; ground-truth path length {:.1f} m\n\n",
+      "paired        {} of {} poses with {} of ground truth, by {}; ground-truth path length {:.1f} m\n",
       evaluation.poses, sources.estimated_poses, sources.true_poses, sources.pairing, evaluation.true_path_length);
+  text += fmt::format("path length   estimate {:.1f} m from pose to pose{}\n\n", evaluation.estimated_path_length,
+                      OfRunText(sources.run_length, evaluation.estimated_path_length));
 
   const std::string rescaled =
       evaluation.rescaled ? fmt::format("scaled by {:.5g}", evaluation.rescaled->scale) : "scaled";
@@ -116,6 +125,8 @@ Json EvaluationJson(const Evaluation& evaluation, const EvaluationSources& sourc
       {"paired_by", sources.pairing},
       {"poses", {{"paired", evaluation.poses}, {"estimated", sources.estimated_poses}, {"true", sources.true_poses}}},
       {"true_path_length_m", evaluation.true_path_length},
+      {"estimated_path_length", evaluation.estimated_path_length},
+      {"path_length_of_run", sources.run_length ? Json(*sources.run_length) : none},
       {"steps", sources.steps},
       {"as_given", ScaledJson(evaluation.as_given)},
       {"rescaled", evaluation.rescaled ? ScaledJson(*evaluation.rescaled) : none},

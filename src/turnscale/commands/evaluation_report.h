@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace turnscale {
 
 /// What the reader of an evaluation wants to know about its input.
 struct EvaluationSources {
-  std::string estimate;      ///< file
-  std::string ground_truth;  ///< file
+  std::string estimate;              ///< file
+  std::string ground_truth;          ///< file
+  std::optional<double> run_length;  ///< of the whole path, as the run states it, in its unit; empty without a run
   int estimated_poses = 0;
   int true_poses = 0;
   std::string pairing;                ///< "time" or "frame"

@@ -13,6 +13,7 @@
 #include "turnscale/base/file_extension.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/rescaled_folder.h"
 #include "turnscale/export/blender_scene.h"
 #include "turnscale/export/geo_files.h"
 #include "turnscale/export/gps_fixes.h"
@@ -242,7 +243,8 @@ void Check(const ExportArguments& arguments) {
 
 ExportOutcome ExecuteExport(const ExportArguments& arguments) {
   Check(arguments);
-  const ResultFolder results = ReadResultFolder(arguments.folder);
+  const ResultFolder results =
+      IsRescaleFolder(arguments.folder) ? ReadRescaleFolder(arguments.folder) : ReadResultFolder(arguments.folder);
   const std::string stem = StemOf(arguments).string();
   ExportOutcome outcome;
   std::optional<FileToWrite> scene;

@@ -13,7 +13,7 @@ constexpr double kUsualExportInterval = 1;
 
 /// Arguments of `export`, by the names of the program's options; empty texts and paths are not given.
 struct ExportArguments {
-  std::filesystem::path folder;  ///< with the results of a run
+  std::filesystem::path folder;  ///< with the results of a run, or of `rescale --report`
   bool gpx = false;
   bool kml = false;
   bool geojson = false;

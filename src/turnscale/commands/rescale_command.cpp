@@ -13,6 +13,7 @@
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/rescale_page.h"
 #include "turnscale/commands/rescale_report.h"
+#include "turnscale/commands/rescaled_folder.h"
 #include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/height_file.h"
@@ -57,15 +58,8 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
 }
 
 // The files of --report, in the order in which old ones are taken away.
-constexpr std::array kReportFiles = {"scale.csv", "turns.csv", "rescale.svg", kReportFile, RunFiles::kSummary};
-
-// Whether the folder has the results of an earlier rescale. One that was killed leaves a part of the summary, which is
-// there before the other files.
-bool IsRescaleFolder(const fs::path& folder) {
-  std::error_code none;
-  return fs::is_regular_file(PartOf(folder / RunFiles::kSummary), none) ||
-         SummaryHas(folder, {"metres_per_unit", "sigma_relative"});
-}
+constexpr std::array kReportFiles = {kRescaledTum,  RunFiles::kScale, RunFiles::kTurns,
+                                     "rescale.svg", kReportFile,      RunFiles::kSummary};
 
 // Throws InputError where --report would replace files that are not of an earlier rescale.
 void CheckReportFolder(const fs::path& folder) {
@@ -121,6 +115,12 @@ std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optiona
   return heights;
 }
 
+std::string TumText(const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory) text += TumLine(pose);
+  return text;
+}
+
 void WriteReport(const fs::path& folder, const RescaleOutcome& outcome, const std::string& input, const CarPrior& car,
                  bool timed, std::optional<double> first_time) {
   const RescaleResult& result = outcome.result;
@@ -130,11 +130,12 @@ void WriteReport(const fs::path& folder, const RescaleOutcome& outcome, const st
   for (const char* name : kReportFiles) RemoveOldFile(folder / name);
   // Its part marks the folder; it gets its name last: where it is, the others are of the same drive.
   OutputFile summary(folder / RunFiles::kSummary);
-  ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
-  ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
+  ReplaceFile(folder / kRescaledTum, TumText(result.metric));
+  ReplaceFile(folder / RunFiles::kScale, PoseScaleTable(result));
+  ReplaceFile(folder / RunFiles::kTurns, TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
   ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed, first_time));
-  summary.Write(RescaleJson(result, input, outcome.warnings));
+  summary.Write(RescaleJson(result, input, timed, outcome.warnings));
   summary.Finish();
 }
 
@@ -196,9 +197,7 @@ RescaleOutcome ExecuteRescale(const RescaleArguments& given, const CommandHooks&
   }
   for (const std::string& warning : RescaleWarnings(result, options.car))
     Warn(hooks, fmt::format("{}: {}", input, warning));
-  std::string tum;
-  for (const StampedPose& pose : result.metric) tum += TumLine(pose);
-  if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
+  if (!arguments.out.empty()) ReplaceFile(arguments.out, TumText(result.metric));
   // --fps replaces the times in the file.
   const std::optional<double> first_time = arguments.fps ? std::nullopt : FirstTimeOfRun(arguments.input);
   if (arguments.report) WriteReport(*arguments.report, outcome, input, options.car, trajectory.timed, first_time);

@@ -250,7 +250,7 @@ std::string TurnScaleTable(const RescaleResult& result) {
   return table;
 }
 
-std::string RescaleJson(const RescaleResult& result, const std::string& input,
+std::string RescaleJson(const RescaleResult& result, const std::string& input, bool timed,
                         const std::vector<std::string>& warnings) {
   const auto [low, high] = ScaleRange(result);
   const auto [best, worst] = SigmaRange(result);
@@ -261,6 +261,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input,
   // Single-turn scales do not use the refined car.
   const auto refined = [&](const auto& value) { return estimate.uses_single_turns ? Json(nullptr) : Json(value); };
   const Json json = {{"input", input},
+                     {"timed", timed},
                      {"poses", result.poses.size()},
                      {"length_m", result.length},
                      {"length_sigma", estimate.length_sigma},

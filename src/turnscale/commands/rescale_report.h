@@ -15,7 +15,7 @@ std::string PoseScaleTable(const RescaleResult& result);
 std::string TurnScaleTable(const RescaleResult& result);
 
 /// summary.json: the numbers of the drive, with the unit in each name, and the warnings of the command.
-std::string RescaleJson(const RescaleResult& result, const std::string& input,
+std::string RescaleJson(const RescaleResult& result, const std::string& input, bool timed,
                         const std::vector<std::string>& warnings);
 
 /// Of turns that contradict the estimate, and of a lever arm and a camera height that disagree: a line each. There has

@@ -51,14 +51,15 @@ TEST(RescaleText, HasTheWayAcrossGapsThatThePathLacks) {
           "turns used\ngaps          21.1 m more where tracking was lost or nothing was recorded, not measured\n"),
       std::string::npos)
       << RescaleText(result);
-  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", {}))["gap_length_m"], 21.14);
+  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", true, {}))["gap_length_m"], 21.14);
 }
 
 TEST(RescaleJson, HasTheWarnings) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.002}, 7);
   const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
   const std::vector<std::string> warnings = {"slam.tum: no timestamps", "slam.tum: the trajectory jumps"};
-  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", warnings))["warnings"], nlohmann::json(warnings));
+  EXPECT_EQ(nlohmann::json::parse(RescaleJson(result, "slam.tum", true, warnings))["warnings"],
+            nlohmann::json(warnings));
 }
 
 }  // namespace

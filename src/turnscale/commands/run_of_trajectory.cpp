@@ -89,6 +89,13 @@ std::optional<double> FirstTimeOfRun(const fs::path& trajectory) {
   return first.is_number() ? std::optional(first.get<double>()) : std::nullopt;
 }
 
+std::optional<double> PathLengthOfRun(const fs::path& trajectory) {
+  if (trajectory.filename() == RunFiles::kLiveTum) return std::nullopt;
+  for (const char* name : {"distance_m", "distance_units"})
+    if (const nlohmann::json length = OfRun(trajectory, name); length.is_number()) return length.get<double>();
+  return std::nullopt;
+}
+
 bool IsOfRearAxle(const fs::path& trajectory) {
   const std::string state = ScaleStateOfRun(trajectory);
   return !state.empty() && state != kPendingScale && OfRun(trajectory, "pose_frame") == "vehicle";

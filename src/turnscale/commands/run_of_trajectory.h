@@ -27,6 +27,10 @@ std::string ScaleStateOfRun(const std::filesystem::path& trajectory);
 /// say, as that of an earlier version, or if the trajectory has no times of its own.
 std::optional<double> FirstTimeOfRun(const std::filesystem::path& trajectory);
 
+/// Length of the refined path as the run states it, along its keyframes, in the unit of the trajectory; nothing if the
+/// trajectory is of none, or the online one.
+std::optional<double> PathLengthOfRun(const std::filesystem::path& trajectory);
+
 /// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
 bool IsOfRearAxle(const std::filesystem::path& trajectory);
 

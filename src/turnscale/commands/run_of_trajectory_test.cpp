@@ -68,5 +68,17 @@ TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
   EXPECT_EQ(MeasuredPartOf(tum, Poses(5)).poses.size(), 5U) << "a table of another program";
 }
 
+TEST(PathLengthOfRun, IsThatOfTheSummaryInMetresOrUnits) {
+  const ScratchFolder folder;
+  const std::filesystem::path tum = folder.Path() / RunFiles::kTrajectoryTum;
+  EXPECT_FALSE(PathLengthOfRun(tum));
+  std::ofstream(folder.Path() / RunFiles::kSummary) << R"({"distance_m": 12.5, "distance_units": null})";
+  EXPECT_EQ(PathLengthOfRun(tum), 12.5);
+  EXPECT_FALSE(PathLengthOfRun(folder.Path() / RunFiles::kLiveTum));
+  EXPECT_FALSE(PathLengthOfRun(folder.Path() / "other.tum"));
+  std::ofstream(folder.Path() / RunFiles::kSummary) << R"({"distance_m": null, "distance_units": 3})";
+  EXPECT_EQ(PathLengthOfRun(folder.Path() / RunFiles::kTrajectoryKitti), 3);
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -179,6 +179,7 @@ Evaluation Evaluate(const PosePairs& pairs, const std::vector<Step>& steps, cons
   Evaluation evaluation;
   evaluation.poses = static_cast<int>(pairs.size());
   evaluation.true_path_length = TruePathLength(pairs);
+  evaluation.estimated_path_length = EstimatedPathLength(pairs);
   evaluation.from_first_pose = MeasurePositionsFromFirstPose(pairs);
   evaluation.as_given = MeasureAtScale(pairs, steps, 1.0, options);
   try {

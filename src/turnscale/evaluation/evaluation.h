@@ -129,8 +129,9 @@ struct ScaledErrors {
 
 /// Errors of an estimated trajectory against ground truth.
 struct Evaluation {
-  int poses = 0;                ///< paired
-  double true_path_length = 0;  ///< metres
+  int poses = 0;                     ///< paired
+  double true_path_length = 0;       ///< of all pairs, metres
+  double estimated_path_length = 0;  ///< likewise, in the unit of the estimate
   ScaledErrors as_given;
   PositionErrors from_first_pose;
   /// The rest is empty where the positions determine no alignment; `alignment_problem` then says why.

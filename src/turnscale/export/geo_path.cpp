@@ -12,7 +12,10 @@ std::vector<LevelPlace> LevelPath(const ResultFolder& results, const std::string
   const Trajectory poses = results.Poses();
   if (poses.empty()) throw InputError(name + ": the run has no path");
   if (!results.metric)
-    throw InputError(name + ": the path is not in metres; run the drive again with --lever-arm or --camera-height");
+    throw InputError(
+        name +
+        ": the path is not in metres; run the drive again with --lever-arm or --camera-height, or give the "
+        "--report folder of turnscale rescale");
   const Eigen::Quaterniond level_from_world = LevelFromWorld(poses, results.vehicle_from_body);
   const Eigen::Vector3d origin = poses.front().world_from_camera.translation;
   std::vector<LevelPlace> path;

@@ -131,7 +131,7 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic, const 
   DriveInput drive;
   drive.path = folder;
   drive.camera_file = FileIn(folder, "calib.txt");
-  if (!drive.camera_file) drive.camera_file = FileIn(folder, "camera.yaml");
+  (drive.camera_file ? drive.unused_camera_file : drive.camera_file) = FileIn(folder, "camera.yaml");
   drive.times_file = FileIn(folder, "times.txt");
   if (FileIn(folder, "drive.yaml") && !drive.times_file) {
     throw InputError(folder.string() + ": is an incomplete simulated drive; simulate it again");

@@ -42,8 +42,9 @@ struct DriveInput {
   std::optional<BagDrive> bags;               ///< a topic of one, or of several that continue one another
   bool several_folders = false;               ///< the videos were found in more than one folder
   bool several_recordings = false;            ///< those found are of more than one, as their names tell (Chapter)
-  std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
-  std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
+  std::optional<std::filesystem::path> camera_file;         ///< `calib.txt`, else `camera.yaml`, beside the images
+  std::optional<std::filesystem::path> unused_camera_file;  ///< `camera.yaml`, where `calib.txt` is beside it
+  std::optional<std::filesystem::path> times_file;          ///< `times.txt` beside the images
 };
 
 /// The order that people give numbered names: runs of digits compare as numbers, so 9.png comes before 10.png.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <iterator>
 #include <span>
 
@@ -58,9 +59,25 @@ std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const 
 
 std::string Columns(size_t count) { return fmt::format("{} column{}", count, count == 1 ? "" : "s"); }
 
-// The header of trajectory.csv, whose name suggests a trajectory file.
-bool IsFrameTable(const std::vector<std::string_view>& words) {
-  return words.size() > 3 && words[0] == "frame" && words[1] == "time" && words[2] == "state";
+// Throws InputError where the first line names columns: a table, such as trajectory.csv or truth.csv, whose names
+// suggest a trajectory file.
+void RefuseTable(const std::vector<std::string_view>& words, const std::string& path) {
+  const auto begins = [&](std::initializer_list<std::string_view> names) {
+    return words.size() >= names.size() && std::equal(names.begin(), names.end(), words.begin());
+  };
+  if (begins({"frame", "time", "state"}))
+    throw InputError(path +
+                     ": is the table of the frames of a run, not a trajectory file; give trajectory.tum, which a run "
+                     "writes beside it");
+  if (begins({"frame", "time_s", "speed_mps"}))
+    throw InputError(path +
+                     ": is the table of a simulated car, not a trajectory file; give poses.txt, which simulate writes "
+                     "beside it, or, for the speeds alone, calibrate --speed with this file");
+  if (std::ranges::none_of(words, [](std::string_view word) { return ParseNumber<double>(word).has_value(); }))
+    throw InputError(fmt::format(
+        "{}: begins with the words '{}', but a trajectory file has numbers: TUM has 'time tx ty tz qx qy qz qw', KITTI "
+        "12 or 13 numbers, EuRoC 'time [ns],px,py,pz,qw,qx,qy,qz'; put # before a heading",
+        path, Excerpt(words[0])));
 }
 
 class Parser {
@@ -72,10 +89,7 @@ class Parser {
     std::replace(text.begin(), text.end(), ',', ' ');
     const auto words = SplitWords(text);
     if (words.empty() || words[0].starts_with('#')) return;
-    if (columns_ == 0 && IsFrameTable(words))
-      throw InputError(path_ +
-                       ": is the table of the frames of a run, not a trajectory file; give trajectory.tum, which a run "
-                       "writes beside it");
+    if (columns_ == 0) RefuseTable(words, path_);
     if (commas) return AddEuroc(words, where);
     if (columns_ == 0) columns_ = words.size();
     if (columns_ != 8 && columns_ != 12 && columns_ != 13) {

@@ -56,6 +56,16 @@ bool IsKept(const cv::Mat& mask, const cv::Point2f& point) {
   return mask.at<uchar>(row, column) != 0;
 }
 
+bool HidesBelow(const cv::Mat& mask) {
+  // Of the lower half, more than a clock or a logo covers.
+  constexpr double kLeastShare = 0.15;
+  if (mask.empty()) return false;
+  const cv::Mat above = mask.rowRange(0, mask.rows / 2);
+  const cv::Mat below = mask.rowRange(mask.rows - above.rows, mask.rows);
+  const int more = cv::countNonZero(above) - cv::countNonZero(below);
+  return more >= kLeastShare * static_cast<double>(below.total());
+}
+
 void ImageMask::SetSize(const cv::Size& size) {
   if (!given_.empty() && given_.size() != size)
     throw InputError("mask: is " + std::to_string(given_.cols) + "x" + std::to_string(given_.rows) +

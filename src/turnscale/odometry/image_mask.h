@@ -46,6 +46,10 @@ struct ObservedMotion {
 /// Whether a mask (8 bit; empty: no mask) keeps the pixel nearest to a point.
 bool IsKept(const cv::Mat& mask, const cv::Point2f& point);
 
+/// Whether a mask (likewise) leaves out much of the lower half of the image, and less of the upper one: a dashboard or
+/// bonnet in front of a camera that is upright.
+bool HidesBelow(const cv::Mat& mask);
+
 /// Which pixels of the image show the scene. Some are left out from the start (SetGiven); others as features turn out
 /// to stand still there.
 class ImageMask {

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/image_mask.h"
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
@@ -145,6 +146,19 @@ TEST(ImageMask, AGivenMaskOfAnotherSizeIsRefused) {
   ImageMask mask;
   mask.SetGiven(cv::Mat(10, 20, CV_8U, cv::Scalar(255)));
   EXPECT_THROW(mask.SetSize(kMaskedImage), InputError);
+}
+
+TEST(HidesBelow, OnlyWhereMuchMoreOfTheLowerHalfIsLeftOut) {
+  EXPECT_FALSE(HidesBelow({}));
+  cv::Mat mask(kMaskedImage, CV_8U, cv::Scalar(255));
+  mask(cv::Rect(0, 600, 400, 40)).setTo(0);
+  EXPECT_FALSE(HidesBelow(mask)) << "a clock";
+  mask.rowRange(500, 640).setTo(0);
+  EXPECT_TRUE(HidesBelow(mask));
+  cv::flip(mask, mask, 0);
+  EXPECT_FALSE(HidesBelow(mask)) << "upside down";
+  mask.rowRange(500, 640).setTo(0);
+  EXPECT_FALSE(HidesBelow(mask)) << "on both sides";
 }
 
 TEST(StaticRegionOptions, NameTheFieldThatMakesNoSense) {

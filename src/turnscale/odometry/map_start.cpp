@@ -119,7 +119,8 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
                            .after_gap = place.after_gap,
                            .gap_sigma = place.unit.sigma,
                            .gap_turn_sigma = place.predicted.turn_sigma,
-                           .gap_turn_is_measured = place.predicted.turn_is_measured});
+                           .gap_turn_is_measured = place.predicted.turn_is_measured,
+                           .gap_contrast = place.contrast});
   map.keyframes.push_back({.frame = second.frame,
                            .time = second.time,
                            .camera_from_world = second_from_first * place.predicted.first_from_world,

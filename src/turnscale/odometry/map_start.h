@@ -39,6 +39,7 @@ struct StartPlace {
   PredictedStart predicted;
   UnitGuess unit{1, 0};    ///< its unit of length in that of the map
   bool after_gap = false;  ///< the map has keyframes from before
+  double contrast = 1;     ///< Keyframe::gap_contrast
 };
 
 /// What a start has become in the map.

@@ -21,6 +21,7 @@
 #include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/drive_steps.h"
 #include "turnscale/odometry/gap_rotation.h"
+#include "turnscale/odometry/image_contrast.h"
 #include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
 #include "turnscale/odometry/refined_drive.h"
@@ -35,6 +36,9 @@ constexpr int kUsualLandmarks = 1 << 17;
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
 constexpr double kDecidingTurn = 10;
+
+// Of an image that shows nothing, gray levels.
+constexpr double kLeastContrast = 1;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -179,6 +183,9 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     place.predicted =
         PredictStart(motion_, start,
                      MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current()));
+    if (!images.lost.empty())
+      place.contrast =
+          ContrastOf(images.lost, mask_.pixels()) / std::max(ContrastOf(images.before, mask_.pixels()), kLeastContrast);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
   const AddedStart added = AddStart(start, place, map_);

@@ -7,6 +7,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/ackermann.h"
+#include "turnscale/odometry/image_mask.h"
 
 namespace turnscale {
 namespace {
@@ -85,10 +86,13 @@ void RoadObserver::TestSide(bool is_below, const RoadPair& pair, const RoadRegio
     return;
   }
   ++tried_above_;
+  if (HidesBelow(pair.mask)) ++hidden_;
   if (FindAtAnyHeight(options_.plane, pair, RegionAbove(region))) ++above_;
 }
 
 bool RoadObserver::IsRoadAbove() const {
+  // Where a dashboard hides the floor of a garage, its ceiling is what shows.
+  if (2 * hidden_ > tried_above_) return false;
   return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ < above_;
 }
 

@@ -74,6 +74,7 @@ class RoadObserver {
   int searches_ = 0;              ///< keyframes in a row at which it could have been searched for at any height
   int tried_above_ = 0;           ///< keyframes at which it has been searched for above the camera
   int above_ = 0;                 ///< of them, those that show it there
+  int hidden_ = 0;                ///< of those tried, the ones in which what is below is hidden (HidesBelow)
   int below_ = 0;                 ///< keyframes until then that show it below
 };
 

@@ -136,6 +136,34 @@ TEST(RoadObserver, DoesNotReachAcrossAGap) {
     }
 }
 
+// Whether the road is found above the camera where the images are upside down; `mask` leaves out what is no scene.
+bool IsAboveWhenTurned(const cv::Mat& mask) {
+  constexpr int kKeyframes = 12;
+  const CameraModel camera = RoadCamera();
+  RoadObserver observer{RoadObserverOptions{}};
+  Map map;
+  map.camera = camera;
+  map.camera.pinhole.cx = camera.width - 1 - camera.pinhole.cx;
+  map.camera.pinhole.cy = camera.height - 1 - camera.pinhole.cy;
+  for (int k = 0; k < kKeyframes; ++k) {
+    const Eigen::Vector3d place(0, 0, kSpacing * k);
+    cv::Mat turned;
+    cv::rotate(RenderRoad({}, camera, {RotationFromVector({-0.06, 0, 0}), place}).gray, turned, cv::ROTATE_180);
+    const RigidTransform world_from_camera{RotationFromVector({0.06, 0, 0}), place / kMetresPerUnit};
+    map.keyframes.push_back(
+        {.frame = k, .time = 0.1 * k, .camera_from_world = world_from_camera.inverse(), .observations = {}});
+    observer.Observe(map, Eigen::Quaterniond::Identity(), BuildFlowImage(FlowOptions(), turned), mask);
+  }
+  return observer.IsRoadAbove();
+}
+
+TEST(RoadObserver, FindsARoadAboveUnlessWhatIsBelowIsHidden) {
+  EXPECT_TRUE(IsAboveWhenTurned({}));
+  cv::Mat mask(RoadCamera().height, RoadCamera().width, CV_8U, cv::Scalar(255));
+  mask.rowRange(150, mask.rows).setTo(0);
+  EXPECT_FALSE(IsAboveWhenTurned(mask)) << "it may be the ceiling of a garage";
+}
+
 TEST(RoadObserverOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<RoadObserverOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");

@@ -36,7 +36,8 @@ struct Reading {
   IntrinsicsEstimate estimate;  ///< with the pixels' aspect as it was
   ParameterEstimate aspect;
   bool contradicts_aspect = false;
-  double radius = 0;  ///< from the principal point, up to which the windows show the lens, pixels
+  bool estimates_aspect = false;  ///< `estimate` has it
+  double radius = 0;              ///< from the principal point, up to which the windows show the lens, pixels
   int windows = 0;
   double begin = 0;          ///< time of the first image, seconds
   double first_time = 0;     ///< of the first window, seconds
@@ -194,6 +195,8 @@ std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, 
   found.centre_sigma = std::hypot(sigmas[IntrinsicsChange::kCentreX], 0.5 * change[IntrinsicsChange::kCentreX]);
   found.windows = reading.windows;
   found.converged = alternates;
+  if (reading.estimates_aspect)
+    found.aspect_sigma = std::hypot(sigmas[IntrinsicsChange::kLogAspect], 0.5 * change[IntrinsicsChange::kLogAspect]);
   return result;
 }
 
@@ -259,6 +262,7 @@ class SelfCalibration {
   void FollowAspect(Reading& reading) {
     follows_aspect_ = follows_aspect_ || reading.contradicts_aspect;
     if (!follows_aspect_) return;
+    reading.estimates_aspect = true;
     constexpr int kEntry = IntrinsicsChange::kLogAspect;
     const ParameterEstimate& aspect = reading.aspect;
     reading.estimate.change[kEntry] = std::log(aspect.found / aspect.given);

@@ -36,8 +36,8 @@ std::vector<MapRestart> RestartsOf(const Map& map) {
   std::vector<MapRestart> restarts;
   for (const Keyframe& keyframe : map.keyframes)
     if (keyframe.after_gap)
-      restarts.push_back(
-          {keyframe.frame, keyframe.time, keyframe.gap_sigma, keyframe.gap_turn_sigma, keyframe.gap_turn_is_measured});
+      restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma, keyframe.gap_turn_sigma,
+                          keyframe.gap_turn_is_measured, keyframe.gap_contrast});
   return restarts;
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/image_warnings.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 #include <fmt/format.h>
 
 #include "turnscale/run/missing_path.h"
@@ -8,26 +12,62 @@
 namespace turnscale {
 namespace {
 
-// Where the images of turns contradict the calibration.
-std::string ContradictionText(const ParameterEstimate& estimate, bool refined) {
-  const std::string remedy = refined ? "" : ", or have it estimated with --camera-refine";
-  if (estimate.parameter == IntrinsicsParameter::kDistortion)
+// What the images of turns give instead of the calibration.
+std::string FoundText(const ParameterEstimate& estimate, bool has_distortion) {
+  if (estimate.parameter == IntrinsicsParameter::kDistortion) {
+    constexpr double kShown = 0.5e-4;
+    const std::string applied =
+        std::abs(estimate.given) > kShown ? fmt::format("; {:.4f} is applied", estimate.given) : std::string();
     return fmt::format(
-        "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
-        "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}",
-        estimate.found, estimate.sigma, estimate.given, remedy);
+        "{} (a radial correction of {:.4f} +-{:.2g}{})",
+        has_distortion ? "a distortion other than the calibration's" : "a distortion, but the calibration has none",
+        estimate.found, estimate.sigma, applied);
+  }
   if (estimate.parameter == IntrinsicsParameter::kPixelAspect)
-    return fmt::format(
-        "the images taken in turns give pixels {:.3g} +-{:.2g} times as wide as high, but the calibration has {:.3g} "
-        "(fy / fx): check whether the video was squeezed or stretched{}",
-        estimate.found, estimate.sigma, estimate.given, remedy);
+    return fmt::format("pixels {:.3g} +-{:.2g} times as wide as high, but the calibration has {:.3g} (fy / fx)",
+                       estimate.found, estimate.sigma, estimate.given);
   const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
   const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
   const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
+  return fmt::format("a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}", name, estimate.found,
+                     estimate.sigma, estimate.given);
+}
+
+// With a wrong focal length, the correction of the distortion that is estimated during the drive is wrong, too: then
+// the images contradict the correction, and not the distortion that the calibration has. Of a large error of the focal
+// length, the linear model leaves a part in the distortion.
+bool FollowsFromFocalLength(const ParameterEstimate& estimate, const std::vector<ParameterEstimate>& all) {
+  constexpr double kSignificance = 3;
+  constexpr double kLeast = 0.01;
+  constexpr double kShareOfError = 0.3;
+  if (estimate.parameter != IntrinsicsParameter::kDistortion) return false;
+  const auto focal = std::ranges::find(all, IntrinsicsParameter::kFocalLength, &ParameterEstimate::parameter);
+  if (focal == all.end()) return false;
+  const double focal_error = std::abs(focal->found / focal->given - 1);
+  return std::abs(estimate.found) < std::max({kLeast, kSignificance * estimate.sigma, kShareOfError * focal_error});
+}
+
+// "a", "a and b", "a, b and c".
+std::string Listed(const std::vector<std::string>& parts) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return text;
+}
+
+// Where the images of turns contradict the calibration. One line, as all of it has one remedy.
+std::string ContradictionText(const ImageFindings& findings) {
+  std::string found;
+  bool is_aspect = false;
+  for (const ParameterEstimate& estimate : findings.contradicted_calibration) {
+    if (FollowsFromFocalLength(estimate, findings.contradicted_calibration)) continue;
+    found += (found.empty() ? "" : ", and ") + FoundText(estimate, findings.has_distortion);
+    is_aspect = is_aspect || estimate.parameter == IntrinsicsParameter::kPixelAspect;
+  }
   return fmt::format(
-      "the images taken in turns give a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}: check that the "
-      "calibration belongs to this camera{}",
-      name, estimate.found, estimate.sigma, estimate.given, remedy);
+      "the images taken in turns give {}: check {}{}", found,
+      is_aspect ? "whether the video was squeezed or stretched" : "that the calibration belongs to this camera",
+      findings.is_calibration_refined ? "" : ", or have it estimated with --camera-refine");
 }
 
 std::string UpsideDownText(int rotated) {
@@ -46,9 +86,9 @@ std::vector<std::string> ImageWarnings(const ImageFindings& findings, double fir
   if (blending) warnings.push_back(FrameBlendingText(SinceFirst(*blending, first_time), blending_error));
   // Both make images contradict a right calibration, too.
   if (findings.is_upside_down || findings.contradicted_calibration.empty()) return warnings;
-  for (const ParameterEstimate& estimate : findings.contradicted_calibration)
-    warnings.push_back(ContradictionText(estimate, findings.is_calibration_refined));
+  warnings.push_back(ContradictionText(findings));
   if (!calibration_error.empty()) warnings.back() += "; " + calibration_error;
+  if (!findings.consequences.empty()) warnings.back() += "; this may also be why " + Listed(findings.consequences);
   if (blending) warnings.back() += "; the blending may be the cause";
   return warnings;
 }

@@ -17,12 +17,15 @@ struct ImageFindings {
   std::optional<FrameBlending> blending;
   std::vector<ParameterEstimate> contradicted_calibration;  ///< by the images of turns
   bool is_calibration_refined = false;                      ///< it was estimated from the drive
+  bool has_distortion = true;                               ///< it has the distortion of a lens
+  /// What else is wrong with the drive, and may follow from a contradicted calibration: parts of a sentence.
+  std::vector<std::string> consequences;
 };
 
-/// One line for each finding; the calibration's are left out where images that are upside down explain them. Their
-/// times count from `first_time`, seconds. `blending_error`, `calibration_error`: what follows for the results, such as
-/// "the scale may be wrong". The last contradiction of the calibration says the latter, which may be empty, and that
-/// blending may be the cause.
+/// One line for each finding, one for all that contradicts the calibration; that is left out where images that are
+/// upside down explain it. Times count from `first_time`, seconds. `blending_error`, `calibration_error`: what follows
+/// for the results, such as "the scale may be wrong". The line of the calibration has the latter, which may be empty,
+/// and says that blending may be the cause.
 std::vector<std::string> ImageWarnings(const ImageFindings& findings, double first_time,
                                        const std::string& blending_error, const std::string& calibration_error);
 

@@ -26,19 +26,44 @@ ImageFindings Contradicted() {
 
 TEST(ImageWarnings, NoneWhereNothingIsFound) { EXPECT_TRUE(Warnings({}).empty()); }
 
-TEST(ImageWarnings, TheLastContradictionOfTheCalibrationSaysWhatFollows) {
+TEST(ImageWarnings, OneLineSaysWhatContradictsTheCalibrationAndWhatFollows) {
   ImageFindings findings = Contradicted();
   std::vector<std::string> warnings = Warnings(findings);
-  ASSERT_EQ(warnings.size(), 2U);
-  EXPECT_EQ(warnings[0],
-            "the images taken in turns give a focal length of 650 +-5 pixels, but the calibration has 700: check that "
-            "the calibration belongs to this camera, or have it estimated with --camera-refine");
-  EXPECT_TRUE(warnings[1].ends_with(std::string("--camera-refine; ") + kCalibrationError)) << warnings[1];
-  EXPECT_TRUE(ImageWarnings(findings, 0, "", "")[1].ends_with("--camera-refine"));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(
+      warnings[0],
+      "the images taken in turns give a focal length of 650 +-5 pixels, but the calibration has 700, and a "
+      "distortion other than the calibration's (a radial correction of -0.2000 +-0.01): check that the calibration "
+      "belongs to this camera, or have it estimated with --camera-refine; " +
+          std::string(kCalibrationError));
+  EXPECT_TRUE(ImageWarnings(findings, 0, "", "")[0].ends_with("--camera-refine"));
 
+  findings.consequences = {"the turns disagree", "the height is unusual", "the sky is green"};
+  EXPECT_TRUE(Warnings(findings)[0].ends_with(
+      "; this may also be why the turns disagree, the height is unusual and the sky is green"));
+  findings.consequences.clear();
   findings.is_calibration_refined = true;
   warnings = Warnings(findings);
-  EXPECT_TRUE(warnings[0].ends_with("check that the calibration belongs to this camera")) << warnings[0];
+  EXPECT_NE(warnings[0].find("check that the calibration belongs to this camera; the scale"), std::string::npos)
+      << warnings[0];
+}
+
+TEST(ImageWarnings, ADistortionThatFollowsFromTheFocalLengthIsNotNamed) {
+  ImageFindings findings = Contradicted();
+  findings.has_distortion = false;
+  ParameterEstimate& distortion = findings.contradicted_calibration[1];
+  EXPECT_NE(Warnings(findings)[0].find("and a distortion, but the calibration has none (a radial"), std::string::npos);
+  distortion = {.parameter = IntrinsicsParameter::kDistortion, .given = -0.0289, .found = 0.004, .sigma = 0.004};
+  EXPECT_EQ(Warnings(findings)[0].find("distortion"), std::string::npos) << Warnings(findings)[0];
+  distortion.found = -0.02;
+  distortion.sigma = 0.002;
+  EXPECT_EQ(Warnings(findings)[0].find("distortion"), std::string::npos) << "7 % of the focal length leave that much";
+  distortion.found = 0.004;
+  distortion.sigma = 0.004;
+  findings.contradicted_calibration.erase(findings.contradicted_calibration.begin());
+  EXPECT_NE(Warnings(findings)[0].find("(a radial correction of 0.0040 +-0.004; -0.0289 is applied)"),
+            std::string::npos)
+      << "alone, nothing else explains it";
 }
 
 TEST(ImageWarnings, PixelsMayHaveAnotherShape) {
@@ -57,10 +82,10 @@ TEST(ImageWarnings, BlendingComesBeforeTheCalibrationThatItMayContradict) {
   ImageFindings findings = Contradicted();
   findings.blending = FrameBlending{.from = 101, .to = 120, .period = 4};
   const std::vector<std::string> warnings = Warnings(findings);
-  ASSERT_EQ(warnings.size(), 3U);
+  ASSERT_EQ(warnings.size(), 2U);
   EXPECT_NE(warnings[0].find("from 1.0 to 20.0 s"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[0].find(kBlendingError), std::string::npos) << warnings[0];
-  EXPECT_TRUE(warnings[2].ends_with(std::string(kCalibrationError) + "; the blending may be the cause")) << warnings[2];
+  EXPECT_TRUE(warnings[1].ends_with(std::string(kCalibrationError) + "; the blending may be the cause")) << warnings[1];
 }
 
 TEST(ImageWarnings, ImagesUpsideDownExplainAContradictedCalibration) {

@@ -49,8 +49,8 @@ std::string SummaryText(const RunSummary& summary);
 std::string SideSlipText(const CarRefinement& car, double assumed, double assumed_sigma);
 
 /// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
-/// they differ, as those of pixels that are not square do.
-std::string FocalLengthText(const CameraModel& camera);
+/// they differ, as those of pixels that are not square do, and their ratio, with its sigma where it is estimated.
+std::string FocalLengthText(const FoundCamera& found);
 
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);

@@ -135,21 +135,50 @@ std::string KnownLagWarning(const VehicleOptions& vehicle, const RefinedScale& s
          ": without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings";
 }
 
+// Whether what is wrong with the turns may follow from the calibration, which has its own warning: where the images are
+// upside down or blended, they contradict a right one.
+bool IsCalibrationToBlame(const DriveFacts& drive, const RefinedScale& scale) {
+  return !scale.contradicted_calibration.empty() && !drive.images.is_upside_down && !drive.images.blending;
+}
+
+// What may follow from a wrong calibration, as parts of a sentence.
+std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, const CarSummary& car,
+                                                   const RefinedScale& scale) {
+  std::vector<std::string> parts;
+  if (!scale.estimate || !IsCalibrationToBlame(drive, scale)) return parts;
+  const ScaleEstimate& estimate = *scale.estimate;
+  if (estimate.test.contradicted && estimate.test.worst_turn >= 0)
+    parts.push_back(fmt::format("the turns disagree on the scale by {:.0f} %", 100 * estimate.test.disagreement));
+  if (const std::optional<HeightConflict>& height = estimate.height_conflict)
+    parts.push_back(fmt::format("lever arm and camera height disagree by {:.0f} %",
+                                100 * std::abs(height->given / height->found - 1)));
+  if (car.refined && car.refined->camera_height > 0 && !drive.vehicle.camera_height &&
+      !UnusualHeight(*car.refined).empty())
+    parts.push_back(fmt::format("the turns give a camera {:.2f} m above the road", car.refined->camera_height));
+  if (!estimate.converged) parts.emplace_back("the scale estimate did not converge");
+  if (estimate.slip_conflict) parts.emplace_back("the turns show an unusual side slip");
+  if (estimate.yaw_conflict) parts.emplace_back("the drive contradicts the camera's yaw");
+  return parts;
+}
+
 // What the drive says of the car against what was given or is usual.
 std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
   std::vector<std::string> warnings;
   const VehicleOptions& vehicle = drive.vehicle;
-  if (scale.estimate && scale.estimate->height_conflict)
+  // The warning of the calibration names them.
+  const bool has_consequences = IsCalibrationToBlame(drive, scale);
+  if (!has_consequences && scale.estimate && scale.estimate->height_conflict)
     warnings.push_back(HeightWarning(*scale.estimate->height_conflict, vehicle.lever_arm.value_or(0),
                                      vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
-  if (car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
+  if (!has_consequences && car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*car.refined));
-  if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
+  if (!has_consequences && scale.estimate && scale.estimate->slip_conflict)
+    warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
   if (vehicle.image_lag_sigma > 0)
     warnings.push_back(KnownLagWarning(vehicle, scale));
   else if (scale.estimate && scale.estimate->is_stabilised())
     warnings.push_back(StabilisationWarning(*scale.estimate));
-  if (scale.estimate && scale.estimate->yaw_conflict)
+  if (!has_consequences && scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   warnings.push_back(OtherYaw(vehicle, drive.mount));
   warnings.push_back(RollWarning(drive.mount, drive.given.rotate));
@@ -157,7 +186,7 @@ std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& 
   return warnings;
 }
 
-std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const RefinedScale& scale) {
+std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
@@ -165,7 +194,9 @@ std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const Refined
                              .rotated = drive.given.rotate,
                              .blending = drive.images.blending,
                              .contradicted_calibration = scale.contradicted_calibration,
-                             .is_calibration_refined = drive.given.found_camera.has_value()};
+                             .is_calibration_refined = drive.given.found_camera.has_value(),
+                             .has_distortion = drive.camera.lens_model != LensModel::kPinhole,
+                             .consequences = ConsequencesOfCalibration(drive, car, scale)};
   return ImageWarnings(images, drive.given.first_time, "the scale may be wrong", scale_error);
 }
 
@@ -264,9 +295,10 @@ std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vecto
     for (std::string& warning : more) add(std::move(warning));
   };
   if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
-  add_all(WarningsOfImages(drive, scale));
+  add_all(WarningsOfImages(drive, summary.car, scale));
   add(DoubtfulKnocksWarning(drive, scale));
-  add(TurnsWarning(scale));
+  const bool has_consequences = IsCalibrationToBlame(drive, scale);
+  if (!has_consequences) add(TurnsWarning(scale));
   add(MethodWarning(drive.method, scale));
   add_all(CarWarnings(drive, summary.car, scale));
   add_all(TimeWarnings(frames, scale.turns, drive.given.first_time));

@@ -159,11 +159,28 @@ TEST(RunWarnings, WhatAWrongCalibrationDoesIsSaidOnce) {
                                     {IntrinsicsParameter::kCentreX, 320, 350, 5},
                                     {IntrinsicsParameter::kDistortion, 0, 0.1, 0.01}};
   const RunSummary summary = SummaryOf({}, PathFrames(5, 1), scale);
-  ASSERT_EQ(summary.warnings.size(), 3u);
-  for (const std::string& warning : summary.warnings)
-    EXPECT_EQ(warning.find("the scale may be off by 116 % or more") != std::string::npos,
-              &warning == &summary.warnings.back())
-        << warning;
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_TRUE(summary.warnings[0].ends_with("; the scale may be off by 116 % or more")) << summary.warnings[0];
+
+  // What may follow from it has no lines of its own.
+  scale.estimate->test.contradicted = true;
+  scale.estimate->test.worst_turn = 0;
+  scale.estimate->test.disagreement = 0.17;
+  scale.turns.resize(1);
+  scale.estimate->height_conflict = HeightConflict{1.5, 0.01, 1.2, 0.05};
+  scale.estimate->slip_conflict = SlipConflict{0.004, 0.002, 0.02};
+  scale.estimate->yaw_conflict = YawConflict{0.01, 0.1, 0.01};
+  DriveFacts drive;
+  drive.vehicle.lever_arm = 1.5;
+  const std::vector<std::string> warnings = SummaryOf(drive, PathFrames(5, 1), scale).warnings;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(
+      warnings[0].ends_with("; this may also be why the turns disagree on the scale by 17 %, lever arm and camera "
+                            "height disagree by 25 %, the "
+                            "turns show an unusual side slip and the drive contradicts the camera's yaw"))
+      << warnings[0];
+  scale.contradicted_calibration.clear();
+  EXPECT_EQ(SummaryOf(drive, PathFrames(5, 1), scale).warnings.size(), 4u);
 }
 
 TEST(RunWarnings, WarnsOfClipsThatDoNotFollowOneAnother) {

@@ -9,6 +9,7 @@
 #include "turnscale/run/impossible_direction.h"
 #include "turnscale/run/impossible_motion.h"
 #include "turnscale/run/missing_path.h"
+#include "turnscale/run/sigma_reason.h"
 
 namespace turnscale {
 namespace {
@@ -74,6 +75,7 @@ ScaleSummary ScaleSummaryOf(const DriveFacts& drive, const std::vector<FrameResu
   summary.calibration_windows = scale.calibration_windows;
   summary.readout = scale.readout;
   summary.calibration_agrees = scale.contradicted_calibration.empty();
+  summary.sigma_reason = SigmaReason(drive, frames, scale, path, summary);
   if (!scale.estimate) return summary;
   summary.turn_test = scale.estimate->test;
   summary.image_lag = scale.estimate->image_lag;

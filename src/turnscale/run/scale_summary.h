@@ -24,6 +24,7 @@ struct ScaleSummary {
   double sigma = 0;             ///< the same without the parts of the path that are not measured
   double worst_sigma = 0;       ///< the largest along the path
   double worst_sigma_time = 0;  ///< where that is, seconds
+  std::string sigma_reason;     ///< why a sigma is large (SigmaReason); empty where none is
   int turns_found = 0;
   int turns_used = 0;
   TurnTest turn_test;                             ///< consistency of the turns

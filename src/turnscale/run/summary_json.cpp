@@ -123,6 +123,8 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummar
   }
   json["focal_length_sigma"] = found->camera.focal_sigma;
   json["principal_point_sigma"] = found->centre_sigma;
+  if (found->aspect_sigma > 0)
+    json["pixel_aspect_sigma"] = found->aspect_sigma * found->camera.pinhole.fy / found->camera.pinhole.fx;
   json["windows"] = found->windows;
   json["converged"] = found->converged;
   return json;
@@ -224,6 +226,7 @@ std::string SummaryJson(const RunSummary& summary) {
         {"pending_reason", scale.pending_reason.empty() ? Json(nullptr) : Json(scale.pending_reason)},
         {"worst_relative_sigma", or_null(scale.worst_sigma)},
         {"worst_at_s", std::isfinite(scale.worst_sigma) ? Json(scale.worst_sigma_time) : Json(nullptr)},
+        {"sigma_reason", scale.sigma_reason.empty() ? Json(nullptr) : Json(scale.sigma_reason)},
         {"live_metres_from_s", drive.live_metric_from ? Json(*drive.live_metric_from) : Json(nullptr)}}},
       {"warnings", summary.warnings},
       {"lens", drive.camera.correction ? Json{{"correction", drive.camera.correction->correction},

@@ -68,7 +68,7 @@ std::string IntrinsicsText(const DriveFacts& drive, const ScaleSummary& scale) {
   return fmt::format(
       "lens    focal length {}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
-      FocalLengthText(found->camera), pinhole.cx, pinhole.cy, found->centre_sigma,
+      FocalLengthText(*found), pinhole.cx, pinhole.cy, found->centre_sigma,
       (std::filesystem::path(given.folder) / RunFiles::kCamera).string());
 }
 
@@ -205,6 +205,11 @@ std::string ScaleText(const ScaleSummary& scale, const DriveFacts& drive) {
                      drive.given.folder);
 }
 
+// One line; empty where no sigma is large.
+std::string SigmaReasonText(const ScaleSummary& scale) {
+  return scale.sigma_reason.empty() ? "" : fmt::format("sigma   large: {}\n", scale.sigma_reason);
+}
+
 }  // namespace
 
 std::string SideSlipText(const CarRefinement& car, double assumed, double assumed_sigma) {
@@ -220,12 +225,14 @@ std::string SideSlipText(const CarRefinement& car, double assumed, double assume
   return fmt::format("{}, refined from the {} {}", after, is_default ? "default" : "given", before);
 }
 
-std::string FocalLengthText(const CameraModel& camera) {
+std::string FocalLengthText(const FoundCamera& found) {
   constexpr double kSquare = 0.001;
+  const CameraModel& camera = found.camera;
   const double aspect = camera.pinhole.fy / camera.pinhole.fx;
   std::string text = fmt::format("{:.1f} +-{:.1f}", camera.pinhole.fx, camera.focal_sigma);
   if (std::abs(aspect - 1) > kSquare)
-    text += fmt::format(" (vertically {:.1f}, as pixels are {:.3g} times as wide as high)", camera.pinhole.fy, aspect);
+    text += fmt::format(" (vertically {:.1f}, as pixels are {:.3f}{} times as wide as high)", camera.pinhole.fy, aspect,
+                        found.aspect_sigma > 0 ? fmt::format(" +-{:.3f}", found.aspect_sigma * aspect) : "");
   return text;
 }
 
@@ -243,12 +250,14 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "{}"
+      "{}"
       "time    {:.1f} s elapsed ({:.1f} frames/s), {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of "
       "memory\n"
       "files   {}\n",
       ClipsText(drive.ending.clips), PathText(summary.path, summary.frames, summary.scale.is_metric()),
-      ScaleText(summary.scale, drive), IntrinsicsText(drive, summary.scale), ShutterText(summary.scale),
-      MountText(summary), CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
+      ScaleText(summary.scale, drive), SigmaReasonText(summary.scale), IntrinsicsText(drive, summary.scale),
+      ShutterText(summary.scale), MountText(summary),
+      CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
       TurnsText(summary.scale, drive.vehicle.lever_arm.has_value()), FramesText(summary.frames, drive.images),
       MissingText(summary.path, drive.given.first_time), cost.wall_seconds,
       summary.frames.total / std::max(cost.wall_seconds, 1e-9),

@@ -100,8 +100,12 @@ TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
   EXPECT_TRUE(Says(summary, "lens    focal length 600.0 +-6.0, principal point (320.0, 180.0) +-2.0 pixels"));
   summary.drive.given.found_camera->camera.pinhole.fy = 800;
   EXPECT_TRUE(Says(summary,
-                   "lens    focal length 600.0 +-6.0 (vertically 800.0, as pixels are 1.33 times as wide "
+                   "lens    focal length 600.0 +-6.0 (vertically 800.0, as pixels are 1.333 times as wide "
                    "as high), principal point"));
+  EXPECT_FALSE(nlohmann::json::parse(SummaryJson(summary))["intrinsics"].contains("pixel_aspect_sigma"));
+  summary.drive.given.found_camera->aspect_sigma = 0.012;
+  EXPECT_TRUE(Says(summary, "pixels are 1.333 +-0.016 times as wide as high)"));
+  EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["pixel_aspect_sigma"], 0.016, 1e-9);
 }
 
 TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {

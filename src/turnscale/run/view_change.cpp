@@ -20,8 +20,23 @@ namespace {
 constexpr double kIntervals = 2.5;
 // Clips that follow one another are looked at elsewhere.
 constexpr double kAtSeam = 0.15;  // seconds
+// Of the features and of the landmarks of the last tracked image, the shares that are found in the first one that is
+// not tracked, together. Where the view changes at once, hardly any is; in poor light, tracking is lost bit by bit.
+constexpr double kMostFound = 0.6;
+// Contrast of that image over that of the last tracked one: with less, the scene is hidden, and no other one is shown.
+constexpr double kLeastContrast = 0.35;
 // Landmarks in the last image before it, as a share of the usual number: with fewer, tracking was about to be lost.
 constexpr double kLeastLandmarks = 0.5;
+
+// Of what the image before shows. Where only a sample of it was looked for, what the one before that shows.
+double ShareFound(const FrameResult& lost, const FrameResult& last, const FrameResult* before) {
+  const bool may_be_sample =
+      before && before->is_measured() && last.time - before->time < TrackingOptions().sampled_interval;
+  const int features = std::max(last.tracked, may_be_sample ? before->tracked : 0);
+  const int landmarks = std::max(last.inliers, may_be_sample ? before->inliers : 0);
+  return static_cast<double>(lost.tracked) / std::max(features, 1) +
+         static_cast<double>(lost.inliers) / std::max(landmarks, 1);
+}
 
 }  // namespace
 
@@ -44,7 +59,10 @@ std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, cons
     const auto last = std::find_if(std::make_reverse_iterator(first), frames.rend(),
                                    [](const FrameResult& frame) { return frame.is_measured(); });
     if (first == frames.end() || last == frames.rend()) continue;
-    const double time = last.base()->time;
+    const FrameResult& lost = *last.base();
+    const FrameResult* before = std::next(last) == frames.rend() ? nullptr : &*std::next(last);
+    if (ShareFound(lost, *last, before) > kMostFound || restart.contrast < kLeastContrast) continue;
+    const double time = lost.time;
     const bool at_seam = std::ranges::any_of(seams, [&](double seam) { return std::abs(time - seam) < kAtSeam; });
     if (first->time - last->time < longest && last->inliers >= least && !at_seam) times.push_back(time);
   }

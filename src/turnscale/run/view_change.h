@@ -10,9 +10,10 @@
 namespace turnscale {
 
 /// Times, seconds, from which on the images show another view than just before, so that the map began anew: tracking
-/// was good until then, and the next map began as soon as the last was given up. Videos that were cut or joined look
-/// so, and recorders that skip images without a word. `frames`: of the drive, refined, in the order of their numbers.
-/// `seams`: when clips begin that follow others, seconds; nothing is said of them.
+/// was good until then, hardly anything of it was found in the next image, which is no blank one, and the next map
+/// began as soon as the last was given up. Videos that were cut or joined look so, and recorders that skip images
+/// without a word. `frames`: of the drive, refined, in the order of their numbers. `seams`: when clips begin that
+/// follow others, seconds; nothing is said of them.
 std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, const std::vector<MapRestart>& restarts,
                                     const std::vector<double>& seams = {});
 

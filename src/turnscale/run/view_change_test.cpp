@@ -17,6 +17,8 @@ std::vector<FrameResult> Frames(int count, int first_lost, int lost) {
     frames[i].time = 5 + 0.1 * i;
     frames[i].inliers = 100;
     const bool is_lost = i >= first_lost && i < first_lost + lost;
+    frames[i].tracked = is_lost ? 20 : 200;
+    if (is_lost) frames[i].inliers = 5;
     frames[i].state = is_lost ? TrackingState::kBridged : TrackingState::kTracked;
     frames[i].world_from_camera = RigidTransform();
   }
@@ -39,6 +41,25 @@ TEST(ViewChange, IsFoundAtLowRatesAndNotWhereClipsBegin) {
   for (FrameResult& frame : frames) frame.time = frame.frame / 3.0;
   EXPECT_EQ(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}).size(), 1U);
   EXPECT_TRUE(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}, {10.0}).empty());
+}
+
+TEST(ViewChange, IsNoneWhereMuchIsStillFoundOrTheSceneIsHidden) {
+  const MapRestart restart{.frame = 35, .time = 8.5};
+  std::vector<FrameResult> dark = Frames(60, 30, 5);
+  dark[30].tracked = 100;
+  dark[30].inliers = 30;
+  EXPECT_TRUE(FindViewChanges(dark, {restart}).empty());
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 5), {{.frame = 35, .time = 8.5, .contrast = 0.1}}).empty());
+
+  // Of every second image of 60 a second, only a sample of the landmarks is looked for.
+  std::vector<FrameResult> fast = Frames(300, 150, 25);
+  for (FrameResult& frame : fast) frame.time = frame.frame / 60.0;
+  fast[149].tracked = 60;
+  fast[149].inliers = 60;
+  fast[150].tracked = 70;
+  EXPECT_EQ(FindViewChanges(fast, {{.frame = 175, .time = 175 / 60.0}}).size(), 1U);
+  fast[148].tracked = 70;
+  EXPECT_TRUE(FindViewChanges(fast, {{.frame = 175, .time = 175 / 60.0}}).empty());
 }
 
 TEST(FrozenParts, AreRepeatedImagesThatAreFollowedByAnotherView) {

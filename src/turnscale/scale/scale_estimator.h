@@ -100,7 +100,8 @@ struct ScaleEstimate {
   /// Single-turn scales are used: the test failed, the estimate did not converge, or the options ask for them; and a
   /// turn has one.
   bool uses_single_turns = false;
-  bool is_doubtful = false;  ///< by what the estimator does not see, such as a converted video; its caller sets it
+  double single_turn_spread = 0;  ///< where they are: by which they differ, relative; sigma includes it
+  bool is_doubtful = false;       ///< by what the estimator does not see, such as a converted video; its caller sets it
   bool converged = false;
 
   bool is_stabilised() const { return image_lag || image_smoothing; }

@@ -75,6 +75,7 @@ bool UseSingleTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
     estimate.smoothed[i].mean[kLogScale] += difference;
     estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
   }
+  estimate.single_turn_spread = spread;
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
   return true;
 }
