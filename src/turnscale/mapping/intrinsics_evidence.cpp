@@ -128,16 +128,20 @@ Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Pinhole& pinhole, const Eig
 }
 
 // How far a landmark moves in the image while its row waits, at the speed between the keyframes before and after:
-// pixels per second of the readout. The time of the image is that of its middle row.
+// pixels per second of the readout. The time of the image is that of its middle row. `pixel`: that of the image. To
+// measure it again with adjusted poses hardly changes a readout.
 Eigen::Vector2d RowMotion(const Map& map, const IntrinsicsWindow& window, const CameraModel& camera, int keyframe,
-                          const Eigen::Vector3d& position, double row) {
+                          const Eigen::Vector3d& position, const Eigen::Vector2d& pixel) {
   const Keyframe& before = map.keyframes[std::max(keyframe - 1, window.first)];
   const Keyframe& after = map.keyframes[std::min(keyframe + 1, window.last)];
   const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
   if (camera.height == 0 || !(after.time > before.time) || !IsInFront(x)) return Eigen::Vector2d::Zero();
   const Eigen::Vector3d speed =
       (after.camera_from_world * position - before.camera_from_world * position) / (after.time - before.time);
-  const double share = (row - 0.5 * (camera.height - 1)) / camera.height;
+  const Eigen::Vector2d along(camera.read_direction.x, camera.read_direction.y);
+  const Eigen::Vector2d size(camera.width, camera.height);
+  const Eigen::Vector2d middle = 0.5 * (size - Eigen::Vector2d::Ones());
+  const double share = along.dot(pixel - middle) / along.cwiseAbs().dot(size);
   return share * (ProjectionJacobian(camera.pinhole, x) * speed);
 }
 
@@ -185,7 +189,7 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
       bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
       row_motion_.push_back(
-          RowMotion(map, window, camera, seen.keyframe, map.landmarks[track.landmark].position, distorted->y()));
+          RowMotion(map, window, camera, seen.keyframe, map.landmarks[track.landmark].position, *distorted));
       stretch_.push_back(1);
     }
   }
