@@ -47,6 +47,7 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
   // Intrinsics estimated from a drive are not exact.
   if (camera.focal_sigma > 0) options.lens.accurate_share = 0;
+  WidenHeight(camera.aspect_sigma, options.vehicle);
   return options;
 }
 
@@ -413,8 +414,9 @@ RefinedScale Odometry::Refined() const {
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
+  refined.aspect_sigma = map_.camera.aspect_sigma;
   // A wrong camera may look like a rolling shutter.
-  if (contradictions.empty()) refined.readout = check.Readout();
+  if (contradictions.empty()) refined.readout = check.Readout(map_.camera);
   BridgeGapsOf(refined);
   return refined;
 }

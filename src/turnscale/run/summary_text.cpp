@@ -45,13 +45,22 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
   return text;
 }
 
+// The side of the image at which a step along `direction` ends.
+const char* SideAt(const ReadDirection& direction) {
+  if (direction.x != 0) return direction.x > 0 ? "right" : "left";
+  return direction.y > 0 ? "bottom" : "top";
+}
+
 // One line; empty if the images show no rolling shutter.
 std::string ShutterText(const ScaleSummary& scale) {
   if (!scale.readout) return {};
-  const bool is_downwards = scale.readout->seconds > 0;
-  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} row of the image to the {}, not modelled\n",
-                     1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma,
-                     is_downwards ? "top" : "bottom", is_downwards ? "bottom" : "top");
+  const auto [x, y] = scale.readout->direction;
+  const char* last = SideAt({x, y});
+  const char* first = SideAt({-x, -y});
+  const bool begins_first = scale.readout->seconds > 0;
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} of the image to the {}, not modelled\n",
+                     1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma, begins_first ? first : last,
+                     begins_first ? last : first);
 }
 
 // One line; empty before the first image.
