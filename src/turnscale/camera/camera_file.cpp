@@ -169,6 +169,7 @@ CameraModel OpenCvCamera(const YamlMap& file) {
                               "header",
                               "frame_id",
                               "focal_length_sigma",
+                              "pixel_aspect_sigma",
                               "principal_point_sigma"};
   file.AllowOnly(known);
   const std::vector<double> k = MatrixOf(file, "camera_matrix");
@@ -185,6 +186,8 @@ CameraModel OpenCvCamera(const YamlMap& file) {
   SetOpenCvDistortion(file, camera);
   if (file.Has("focal_length_sigma")) camera.focal_sigma = file.Number("focal_length_sigma");
   if (!(camera.focal_sigma >= 0)) file.Reject("focal_length_sigma", "must not be negative");
+  if (file.Has("pixel_aspect_sigma")) camera.aspect_sigma = file.Number("pixel_aspect_sigma");
+  if (!(camera.aspect_sigma >= 0)) file.Reject("pixel_aspect_sigma", "must not be negative");
   return camera;
 }
 
@@ -349,7 +352,8 @@ std::string CameraFileText(const CameraModel& camera) {
          "]\ndistortion_model: " + (fisheye ? "equidistant" : "plumb_bob") +
          "\ndistortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(coefficients) + "\n  data: [" +
          Joined(distortion, ", ") + "]\n" +
-         (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "");
+         (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "") +
+         (camera.aspect_sigma > 0 ? "pixel_aspect_sigma: " + NumberText(camera.aspect_sigma) + "\n" : "");
 }
 
 std::string KittiCalibrationText(const Pinhole& p) {

@@ -221,9 +221,11 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameBits) {
     EXPECT_EQ(read.width, camera.width);
     EXPECT_EQ(read.height, camera.height);
     EXPECT_EQ(read.focal_sigma, camera.focal_sigma);
+    EXPECT_EQ(read.aspect_sigma, camera.aspect_sigma);
   };
   expect_same();
   camera.focal_sigma = 20.0 / 3;
+  camera.aspect_sigma = 0.1 / 3;
   camera.lens = LensModel::kRadialTangential;
   camera.distortion = {-0.3, 0.1, 1e-4, -2e-4, 1.0 / 30};
   expect_same();

@@ -17,6 +17,15 @@ enum class LensModel {
   kEquidistant,       ///< fisheye k1 k2 k3 k4 (Kannala-Brandt; OpenCV's fisheye, Kalibr's equidistant)
 };
 
+/// Where the rows of an image follow one another as its sensor has read them: a step along x or y of the image. Down,
+/// unless the image was rotated or mirrored since.
+struct ReadDirection {
+  int x = 0;
+  int y = 1;
+
+  bool operator==(const ReadDirection&) const = default;
+};
+
 /// A calibrated camera: intrinsics, lens model and image size. Pixel centres are at integer coordinates.
 struct CameraModel {
   Pinhole pinhole;
@@ -31,6 +40,10 @@ struct CameraModel {
 
   /// Standard deviation of the focal length, pixels; 0 if the camera file does not state it. Of both axes together.
   double focal_sigma = 0;
+  /// Standard deviation of fy / fx, relative; 0 if the camera file does not state it.
+  double aspect_sigma = 0;
+
+  ReadDirection read_direction = {};  ///< of the images, not from the camera file
 
   /// Readout time of a rolling shutter from the top row to the bottom one, seconds; below 0 from the bottom to the top,
   /// 0 of a global shutter. The time of an image is that of its middle row. Project and Undistort are of one instant.

@@ -86,9 +86,11 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};
   const cv::Size size = images.scaling.Scaled(images.full_size);
+  const ReadDirection read_direction = images.camera.read_direction;
   if (assumed)
     images.camera = (arguments.field_of_view ? CameraOfView : CameraOfLongerView)(view, size.width, size.height,
                                                                                   images.source.pixel_aspect());
+  images.camera.read_direction = read_direction;
   images.camera.width = size.width;
   images.camera.height = size.height;
   if (assumed)

@@ -274,7 +274,8 @@ DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& imag
   const cv::Size full_size = source.FullSize().value_or(cv::Size());
   if (given.is_of_stored) given = {given.name, Rotated(given.model, arguments.rotate, full_size), false};
   const ImageScaling scaling(full_size, image_options);
-  const CameraModel camera = scaling.Scaled(given.model);
+  CameraModel camera = scaling.Scaled(given.model);
+  camera.read_direction = source.read_direction();
   const cv::Mat mask = scaling.ScaledMask(GivenMask(arguments.mask, full_size));
   const int expected = ExpectedFrames(source.count(), arguments.max_frames);
   return {std::move(drive), std::move(given), std::move(source), full_size, scaling, camera, mask, expected};

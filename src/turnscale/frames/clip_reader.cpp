@@ -349,6 +349,7 @@ std::optional<DriveImage> ClipReader::Read() {
       continue;
     }
     if (image.image.gray.empty()) image.image.gray = video_->Gray();
+    image.image.read_direction = headers_[clip_].read_direction;
     image.name = fmt::format("{}: frame {}", clips_[clip_].string(), number);
     image.clip = static_cast<int>(clip_);
     const bool first = !std::exchange(begun_, true);

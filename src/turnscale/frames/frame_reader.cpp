@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/frames/image_rotation.h"
 #include "turnscale/image_file/image_decoder.h"
 #include "turnscale/image_file/jpeg_orientation.h"
 #include "turnscale/image_file/netpbm.h"
@@ -66,21 +67,22 @@ GrayImage ImageFiles::Read(const std::filesystem::path& path) {
   stream.seekg(0);
   if (!stream.read(reinterpret_cast<char*>(bytes.data), size)) return {{}, name + ": cannot be read"};
   // The copy of a large image would take as long as its tracking.
-  if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return {Turned(gray, kUpright, name), ""};
+  if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return Turned(gray, kUpright, name);
   const std::span<const uint8_t> encoded(bytes.data, bytes.total());
   const DecodedImage decoded = DecodeImage(encoded);
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
   const cv::Mat gray = levels_.ToGray8(decoded.pixels, decoded.range_is_stated);
   if (gray.empty()) return {{}, name + ": is not a readable image"};
-  return {Turned(gray, JpegOrientation(encoded), name), ""};
+  return Turned(gray, JpegOrientation(encoded), name);
 }
 
-cv::Mat ImageFiles::Turned(const cv::Mat& gray, int orientation, const std::string& name) {
+GrayImage ImageFiles::Turned(const cv::Mat& gray, int orientation, const std::string& name) {
   if (!orientation_) orientation_ = orientation;
   if (orientation != *orientation_ && !std::exchange(orientations_differ_, true))
     notice_ = fmt::format("{}: its EXIF orientation is {}, but that of the first image is {}, which is used for all",
                           name, orientation, *orientation_);
-  return TurnedUpright(gray, *orientation_);
+  const auto turned = [&](const cv::Mat& stored) { return TurnedUpright(stored, *orientation_); };
+  return {turned(gray), "", ReadDirectionAfter(turned)};
 }
 
 std::string ImageFiles::TakeNotice() {

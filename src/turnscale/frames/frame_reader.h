@@ -11,6 +11,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/frames/gray_levels.h"
 
 namespace turnscale {
@@ -19,6 +20,7 @@ namespace turnscale {
 struct GrayImage {
   cv::Mat gray;         ///< empty if the file is unusable
   std::string problem;  ///< "name: why"; empty if there is none
+  ReadDirection read_direction = {};
 };
 
 /// Reads the image files of a drive, in their order, as 8-bit gray (GrayLevels). They are rotated and mirrored as the
@@ -32,7 +34,7 @@ class ImageFiles {
   std::string TakeNotice();
 
  private:
-  cv::Mat Turned(const cv::Mat& gray, int orientation, const std::string& name);
+  GrayImage Turned(const cv::Mat& gray, int orientation, const std::string& name);
 
   GrayLevels levels_;
   std::optional<int> orientation_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/frames/image_rotation.h"
 
+#include <cstdint>
 #include <tuple>
 #include <utility>
 
@@ -37,6 +38,18 @@ cv::Mat Rotated(const cv::Mat& image, int degrees) {
   constexpr int kCodes[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180, cv::ROTATE_90_COUNTERCLOCKWISE};
   cv::Mat rotated;
   cv::rotate(image, rotated, kCodes[degrees / kQuarter - 1]);
+  return rotated;
+}
+
+ReadDirection ReadDirectionAfter(const std::function<cv::Mat(const cv::Mat&)>& turned) {
+  const cv::Mat rows = (cv::Mat_<uint8_t>(2, 2) << 0, 0, 1, 1);
+  const cv::Mat after = turned(rows);
+  return {after.at<uint8_t>(0, 1) - after.at<uint8_t>(0, 0), after.at<uint8_t>(1, 0) - after.at<uint8_t>(0, 0)};
+}
+
+ReadDirection Rotated(const ReadDirection& read, int degrees) {
+  ReadDirection rotated = read;
+  for (int quarter = 0; quarter < degrees / kQuarter; ++quarter) rotated = {-rotated.y, rotated.x};
   return rotated;
 }
 

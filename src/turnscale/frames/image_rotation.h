@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
+
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/camera/camera_model.h"
@@ -16,5 +18,11 @@ cv::Mat Rotated(const cv::Mat& image, int degrees);
 /// The camera that took the rotated images, from the one that took the stored ones. `rotated`: size of the rotated
 /// images, pixels.
 CameraModel Rotated(CameraModel stored, int degrees, const cv::Size& rotated);
+
+/// The read direction of images that are turned by a function, where that of the stored ones is downwards.
+ReadDirection ReadDirectionAfter(const std::function<cv::Mat(const cv::Mat&)>& turned);
+
+/// The read direction of the rotated images, from that of the others.
+ReadDirection Rotated(const ReadDirection& read, int degrees);
 
 }  // namespace turnscale

@@ -42,6 +42,16 @@ TEST(ImageRotation, TurnsClockwise) {
   EXPECT_EQ(Rotated(image, 0).data, image.data);
 }
 
+TEST(ImageRotation, RowsFollowOneAnotherAsTheImagesAreTurned) {
+  for (const int degrees : {0, 90, 180, 270})
+    EXPECT_EQ(Rotated(ReadDirection(), degrees),
+              ReadDirectionAfter([&](const cv::Mat& stored) { return Rotated(stored, degrees); }))
+        << degrees;
+  EXPECT_EQ(Rotated(ReadDirection(), 90), (ReadDirection{-1, 0})) << "what was below is on the left";
+  EXPECT_EQ(Rotated(Rotated(ReadDirection(), 270), 90), ReadDirection());
+  EXPECT_EQ(ReadDirectionAfter([](const cv::Mat& stored) { return cv::Mat(stored.t()); }), (ReadDirection{1, 0}));
+}
+
 TEST(ImageRotation, OtherAnglesAreRefused) {
   EXPECT_NO_THROW(CheckRotation(270));
   for (const int degrees : {45, -90, 360}) EXPECT_THROW(CheckRotation(degrees), InputError);

@@ -221,7 +221,10 @@ struct ImageSource::State {
       std::exception_ptr thrown;
       try {
         std::optional<DriveImage> read = reader->Read();
-        if (read) read->image.gray = Rotated(read->image.gray, rotate);
+        if (read) {
+          read->image.gray = Rotated(read->image.gray, rotate);
+          read->image.read_direction = Rotated(read->image.read_direction, rotate);
+        }
         image = std::move(read);
       } catch (...) {
         thrown = std::current_exception();
@@ -237,14 +240,14 @@ struct ImageSource::State {
   }
 
   // Images up to the first readable one are taken from the queue and kept for Take.
-  std::optional<cv::Size> FullSize() {
+  const GrayImage* FirstReadable() {
     for (size_t i = 0;; ++i) {
       if (i == looked_at.size()) {
         std::optional<DriveImage> image = TakeFromQueue();
-        if (!image) return std::nullopt;
+        if (!image) return nullptr;
         looked_at.push_back(std::move(*image));
       }
-      if (!looked_at[i].image.gray.empty()) return looked_at[i].image.gray.size();
+      if (!looked_at[i].image.gray.empty()) return &looked_at[i].image;
     }
   }
 
@@ -374,7 +377,15 @@ std::optional<SourceFrame> ImageSource::Next() {
                      std::move(image->notice)};
 }
 
-std::optional<cv::Size> ImageSource::FullSize() { return state_->FullSize(); }
+std::optional<cv::Size> ImageSource::FullSize() {
+  const GrayImage* first = state_->FirstReadable();
+  return first != nullptr ? std::optional(first->gray.size()) : std::nullopt;
+}
+
+ReadDirection ImageSource::read_direction() {
+  const GrayImage* first = state_->FirstReadable();
+  return first != nullptr ? first->read_direction : ReadDirection();
+}
 
 double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 

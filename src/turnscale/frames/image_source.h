@@ -69,6 +69,9 @@ class ImageSource {
   /// Throws InputError where reading on is not possible.
   std::optional<cv::Size> FullSize();
 
+  /// How the sensor has read the images as given; that of the image that FullSize waits for.
+  ReadDirection read_direction();
+
   /// Width of a pixel over its height in the images as given, as the header of a video says, of several that of the
   /// first; 1 if unknown.
   double pixel_aspect() const;

@@ -193,6 +193,8 @@ TEST_F(ImageSourceTest, ImagesAreTurnedByTheOrientationOfTheFirst) {
   write("1.jpg", 6);
   write("2.jpg", 1);
   write("3.jpg", 8);
+  EXPECT_EQ(ImageSource(FindDrive(folder_), {.fps = 10}).read_direction(), (ReadDirection{-1, 0}));
+  EXPECT_EQ(ImageSource(FindDrive(folder_), {.fps = 10, .rotate = 270}).read_direction(), ReadDirection());
   const auto frames = ReadAll();
   ASSERT_EQ(frames.size(), 4u);
   const cv::Mat shown = cv::imread((folder_ / "0.jpg").string(), cv::IMREAD_GRAYSCALE);

@@ -12,9 +12,10 @@ namespace turnscale {
 
 cv::Mat ReadMask(const std::filesystem::path& path) {
   OpenInputFile(path, "mask");
-  const auto [mask, problem] = ReadGrayImage(path);
+  const GrayImage read = ReadGrayImage(path);
+  const cv::Mat& mask = read.gray;
   // It begins with the name without the folder.
-  if (mask.empty()) throw InputError((path.parent_path() / problem).string());
+  if (mask.empty()) throw InputError((path.parent_path() / read.problem).string());
   if (cv::countNonZero(mask) == 0)
     throw InputError(path.string() + ": is black, which leaves out the whole image; paint what is to be kept white");
   double darkest = 0;

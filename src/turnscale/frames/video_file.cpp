@@ -23,6 +23,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_extension.h"
+#include "turnscale/frames/image_rotation.h"
 #include "turnscale/image_file/codec_pointers.h"
 #include "turnscale/image_file/ffmpeg.h"
 
@@ -198,6 +199,7 @@ struct VideoFile::State {
       std::swap(header.size.width, header.size.height);
       header.pixel_aspect = 1 / header.pixel_aspect;
     }
+    header.read_direction = ReadDirectionAfter([&](const cv::Mat& stored) { return Oriented(stored.clone()); });
     header.tick = Seconds(stream->time_base);
     // Containers without a rate have zero, or their clock's ticks.
     for (const AVRational& rate : {stream->avg_frame_rate, stream->r_frame_rate}) {

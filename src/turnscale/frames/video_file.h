@@ -10,6 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/camera/camera_model.h"
 
 namespace turnscale {
 
@@ -17,6 +18,7 @@ namespace turnscale {
 struct VideoHeader {
   cv::Size size;                  ///< of the images, rotated as the video asks for
   double pixel_aspect = 1;        ///< width of one of their pixels over its height; 1 if unknown
+  ReadDirection read_direction;   ///< of the images, rotated as the video asks for
   double rate = 0;                ///< frames per second on average; 0 if unknown
   double tick = 0;                ///< resolution of the stamps, seconds
   double duration = 0;            ///< seconds; 0 if unknown

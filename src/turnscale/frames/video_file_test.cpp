@@ -11,6 +11,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
+#include "turnscale/frames/image_rotation.h"
 #include "turnscale/frames/test_video.h"
 
 namespace turnscale {
@@ -195,6 +196,9 @@ TEST_F(VideoFileTest, RotationAndMirrorOfTheMetadataAreApplied) {
       if (mirrored) cv::flip(expected, expected, 1);
       VideoFile video(Write("v.mp4", {.quarter_turns = quarter_turns, .mirrored = mirrored}));
       EXPECT_EQ(video.header().size, expected.size());
+      const ReadDirection rotated = Rotated(ReadDirection(), 90 * quarter_turns);
+      const ReadDirection read{mirrored ? -rotated.x : rotated.x, rotated.y};
+      EXPECT_EQ(video.header().read_direction, read) << quarter_turns << mirrored;
       ASSERT_TRUE(video.Advance());
       ExpectNear(video.Gray(), expected, std::to_string(quarter_turns) + (mirrored ? " turns, mirrored" : " turns"));
     }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -29,14 +31,20 @@ constexpr double kLongestFocalStep = 0.1;
 constexpr double kLongestCentreStep = 0.05;
 constexpr double kLongestCorrectionStep = 0.04;
 constexpr double kLongestHigherStep = 0.04;
+constexpr double kLongestAspectStep = 0.1;  // log
 // Degrees of freedom of the Student distribution that windows are taken to follow.
 constexpr double kStudentDof = 4;
 constexpr int kReweightings = 20;
 // Standard deviation of what a distortion beyond its first radial term does to the focal length (relative), the
 // principal point (in focal lengths) and the correction, as a share of the correction.
 constexpr double kHigherTerms = 0.15;
-// Standard deviation of what the linear model gets wrong of a change of the aspect, as a share of it.
+// Standard deviation of what the linear model gets wrong of a change of the aspect, as a share of how far it is from
+// where the windows were linearised.
 constexpr double kNonlinearAspect = 0.25;
+// Log of the largest aspect that occurs, twice the usual. What looks like more is something else.
+constexpr double kMostAspect = 1.1;
+// The latest windows, half a megabyte each, can be linearised again.
+constexpr size_t kKeptWindows = 12;
 // From one look to the next, at most, in halves of a window.
 constexpr int kLongestInterval = 8;
 
@@ -62,7 +70,8 @@ double ShareOf(const Vector& step, const Pinhole& pinhole) {
                                    std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * pinhole.fx),
                                    std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * pinhole.fy),
                                    std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep,
-                                   HigherTerms(step).cwiseAbs().maxCoeff() / kLongestHigherStep});
+                                   HigherTerms(step).cwiseAbs().maxCoeff() / kLongestHigherStep,
+                                   std::abs(step[IntrinsicsChange::kLogAspect]) / kLongestAspectStep});
   return 1.0 / std::max(1.0, longest);
 }
 
@@ -97,9 +106,11 @@ double AppliedCorrection(const CameraModel& camera) {
   return weights > 0 ? sum / weights : camera.radial_correction;
 }
 
-// Takes entries out of what windows tell: they stay as they are.
-void Hold(const std::vector<IntrinsicsChange::Entry>& entries, Matrix& information, Vector& vector) {
+// Takes entries out of information times a minimum, or a gradient: they have the values of `at`, as seen from where
+// the vector is 0.
+void Hold(const std::vector<IntrinsicsChange::Entry>& entries, const Vector& at, Matrix& information, Vector& vector) {
   for (const IntrinsicsChange::Entry entry : entries) {
+    vector -= at[entry] * information.col(entry);
     information.row(entry).setZero();
     information.col(entry).setZero();
     vector[entry] = 0;
@@ -121,7 +132,7 @@ void CalibrationCheckOptions::Check() const {
   Require(centre_prior_sigma_deg > 0, "centre_prior_sigma_deg: has to be positive");
   Require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
   Require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
-  Require(aspect_prior_sigma > 0, "aspect_prior_sigma: has to be positive");
+  Require(aspect_prior_sigma >= 0, "aspect_prior_sigma: must not be negative");
   Require(readout_prior_sigma > 0, "readout_prior_sigma: has to be positive");
   Require(focal_window_sigma >= 0, "focal_window_sigma: must not be negative");
   Require(centre_window_sigma_deg >= 0, "centre_window_sigma_deg: must not be negative");
@@ -130,6 +141,7 @@ void CalibrationCheckOptions::Check() const {
   Require(centre_model_sigma_deg >= 0, "centre_model_sigma_deg: must not be negative");
   Require(correction_model_sigma >= 0, "correction_model_sigma: must not be negative");
   Require(aspect_model_sigma >= 0, "aspect_model_sigma: must not be negative");
+  Require(readout_model_sigma >= 0, "readout_model_sigma: must not be negative");
   Require(min_focal_error >= 0, "min_focal_error: must not be negative");
   Require(min_centre_error_deg >= 0, "min_centre_error_deg: must not be negative");
   Require(min_correction_error >= 0, "min_correction_error: must not be negative");
@@ -161,12 +173,30 @@ std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
 }
 
 bool CalibrationCheck::Read(IntrinsicsProblem& window) {
-  const std::optional<Reading> reading = ReadingOf(window);
-  if (reading) {
-    windows_.push_back(*reading);
-    observed_radius_ = std::max(observed_radius_, window.ObservedRadius());
+  const IntrinsicsEstimate known = Estimate();
+  std::optional<Reading> reading = ReadingOf(window, known);
+  if (!reading) return false;
+  observed_radius_ = std::max(observed_radius_, window.ObservedRadius());
+  reading->window = std::make_shared<const IntrinsicsProblem>(window);
+  windows_.push_back(std::move(*reading));
+  if (windows_.size() > kKeptWindows) windows_[windows_.size() - 1 - kKeptWindows].window.reset();
+  if (known.Holds(IntrinsicsChange::kLogAspect) && !Estimate().Holds(IntrinsicsChange::kLogAspect)) ReadAgain();
+  return true;
+}
+
+void CalibrationCheck::ReadAgain() {
+  const Entries held = Held();
+  std::vector<Reading> before = std::exchange(windows_, {});
+  for (Reading& reading : before) {
+    if (reading.window) {
+      IntrinsicsProblem window = *reading.window;
+      if (std::optional<Reading> again = ReadingOf(window, EstimateHolding(held))) {
+        again->window = reading.window;
+        reading = std::move(*again);
+      }
+    }
+    windows_.push_back(std::move(reading));
   }
-  return reading.has_value();
 }
 
 bool CalibrationCheck::Observe(const Map& map) {
@@ -191,12 +221,9 @@ CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, c
   return {share * information, share * weighted_minimum};
 }
 
-std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsProblem& window) const {
-  // What is known without this window guides the way, and is taken off again.
-  const IntrinsicsEstimate known = Estimate();
+std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsProblem& window,
+                                                                     const IntrinsicsEstimate& known) const {
   const Matrix known_information = known.covariance.inverse();
-  std::vector<IntrinsicsChange::Entry> held = {IntrinsicsChange::kLogAspect};
-  if (known.change[IntrinsicsChange::kReadout] == 0) held.push_back(IntrinsicsChange::kReadout);
   // The first window begins with the correction that is applied.
   if (!windows_.empty()) window.Change(known.change);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
@@ -206,60 +233,73 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return std::nullopt;
     if (options_.higher_prior_sigma == 0)
-      Hold({IntrinsicsChange::kCorrection4, IntrinsicsChange::kCorrection6}, evidence->information, evidence->gradient);
+      Hold({IntrinsicsChange::kCorrection4, IntrinsicsChange::kCorrection6}, Vector::Zero(), evidence->information,
+           evidence->gradient);
     Matrix information = deflation * evidence->information;
     Vector gradient = deflation * evidence->gradient;
-    Hold(held, information, gradient);
+    Hold(known.held, Vector::Zero(), information, gradient);
     const Matrix total = information + known_information;
     const Vector slope = gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);
     if (!step.allFinite()) return std::nullopt;
-    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
-      return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
+    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep) {
+      Reading reading = Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
+      reading.aspect = evidence->at[IntrinsicsChange::kLogAspect];
+      return reading;
+    }
     window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
 
-IntrinsicsEstimate CalibrationCheck::Estimate() const {
-  IntrinsicsEstimate estimate = EstimateWithout({IntrinsicsChange::kLogAspect});
-  const double readout = std::abs(estimate.change[IntrinsicsChange::kReadout]);
-  const double variance = estimate.covariance(IntrinsicsChange::kReadout, IntrinsicsChange::kReadout);
-  if (readout > options_.min_readout && readout > options_.significance * std::sqrt(variance)) return estimate;
-  return EstimateWithout({IntrinsicsChange::kLogAspect, IntrinsicsChange::kReadout});
+CalibrationCheck::Entries CalibrationCheck::Held() const {
+  Entries held;
+  if (!Shows(IntrinsicsChange::kLogAspect, options_.min_aspect_error, held))
+    held.push_back(IntrinsicsChange::kLogAspect);
+  if (!Shows(IntrinsicsChange::kReadout, options_.min_readout, held)) held.push_back(IntrinsicsChange::kReadout);
+  return held;
 }
 
-std::optional<ShutterReadout> CalibrationCheck::Readout() const {
+bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const {
+  const bool is_aspect = entry == IntrinsicsChange::kLogAspect;
+  if (is_aspect && options_.aspect_prior_sigma == 0) return false;
+  const IntrinsicsEstimate estimate = EstimateHolding(held);
+  const double off = std::abs(estimate.change[entry] - expected_[entry]);
+  if (is_aspect && off > kMostAspect) return false;
+  return off > least && off > options_.significance * std::sqrt(estimate.covariance(entry, entry));
+}
+
+IntrinsicsEstimate CalibrationCheck::Estimate() const { return EstimateHolding(Held()); }
+
+std::optional<ShutterReadout> CalibrationCheck::Readout(const CameraModel& camera) const {
   constexpr int kEntry = IntrinsicsChange::kReadout;
   const IntrinsicsEstimate estimate = Estimate();
-  if (estimate.change[kEntry] == 0) return std::nullopt;
-  return ShutterReadout{estimate.change[kEntry], std::sqrt(estimate.covariance(kEntry, kEntry))};
+  if (estimate.Holds(IntrinsicsChange::kReadout)) return std::nullopt;
+  return ShutterReadout{estimate.change[kEntry], std::sqrt(estimate.covariance(kEntry, kEntry)), camera.read_direction};
 }
 
-ParameterEstimate CalibrationCheck::Aspect() const {
-  const IntrinsicsEstimate estimate = EstimateWithout({});
+ParameterEstimate CalibrationCheck::AspectOf(const IntrinsicsEstimate& estimate) const {
+  constexpr int kEntry = IntrinsicsChange::kLogAspect;
   const double given = given_.fy / given_.fx;
-  const double change = estimate.change[IntrinsicsChange::kLogAspect];
-  const double variance = estimate.covariance(IntrinsicsChange::kLogAspect, IntrinsicsChange::kLogAspect);
-  const double sigma = std::hypot(std::sqrt(variance), kNonlinearAspect * change);
-  const double found = given * std::exp(change);
-  return {IntrinsicsParameter::kPixelAspect, given, found, found * sigma};
+  const double found = given * std::exp(estimate.change[kEntry]);
+  return {IntrinsicsParameter::kPixelAspect, given, found, found * std::sqrt(estimate.covariance(kEntry, kEntry))};
 }
 
-IntrinsicsEstimate CalibrationCheck::EstimateWithout(const std::vector<IntrinsicsChange::Entry>& held) const {
+IntrinsicsEstimate CalibrationCheck::EstimateHolding(const Entries& held) const {
   std::vector<Reading> windows = windows_;
-  for (Reading& reading : windows) Hold(held, reading.information, reading.weighted_minimum);
+  for (Reading& reading : windows) Hold(held, expected_, reading.information, reading.weighted_minimum);
   // Terms that are not estimated stay at zero, as nothing refers to them.
   const Matrix prior_covariance =
       Covariance({.focal = options_.focal_prior_sigma,
                   .centre_deg = options_.centre_prior_sigma_deg,
                   .correction = options_.correction_prior_sigma,
                   .higher = options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0,
-                  .aspect = options_.aspect_prior_sigma,
+                  .aspect = options_.aspect_prior_sigma > 0 ? options_.aspect_prior_sigma : 1.0,
                   .readout = options_.readout_prior_sigma});
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
   estimate.change = expected_;
   estimate.covariance = prior_covariance;
+  estimate.held = held;
   if (windows.empty()) return estimate;
   const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0) -
                          static_cast<double>(held.size());
@@ -287,6 +327,13 @@ IntrinsicsEstimate CalibrationCheck::EstimateWithout(const std::vector<Intrinsic
     if (count > 1) scatter = std::max(1.0, sum / (entries * (count - 1)));
   }
   estimate.covariance *= scatter;
+  double aspect_of_windows = 0;
+  double total_weight = 0;
+  for (size_t i = 0; i < windows.size(); ++i) {
+    aspect_of_windows += weights[i] * windows[i].aspect;
+    total_weight += weights[i];
+  }
+  const double aspect_change = estimate.change[IntrinsicsChange::kLogAspect] - aspect_of_windows / total_weight;
   // A lens that distorts much has more to it than the first radial term.
   const double unmodelled =
       options_.higher_prior_sigma > 0 ? 0.0 : kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
@@ -294,7 +341,8 @@ IntrinsicsEstimate CalibrationCheck::EstimateWithout(const std::vector<Intrinsic
       Covariance({.focal = std::hypot(options_.focal_model_sigma, unmodelled),
                   .centre_deg = std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
                   .correction = std::hypot(options_.correction_model_sigma, unmodelled),
-                  .aspect = options_.aspect_model_sigma});
+                  .aspect = std::hypot(options_.aspect_model_sigma, kNonlinearAspect * aspect_change),
+                  .readout = options_.readout_model_sigma * estimate.change[IntrinsicsChange::kReadout]});
   return estimate;
 }
 
@@ -310,35 +358,35 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
           {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
            std::sqrt(distortion.dot(estimate.covariance * distortion))},
-          Aspect()};
+          AspectOf(estimate.Holds(IntrinsicsChange::kLogAspect) ? EstimateHolding({}) : estimate)};
 }
 
 bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {
   const Eigen::Vector2d centre = CentreShift(given_, options_.min_centre_error_deg);
-  const auto least = [&] {
-    switch (estimate.parameter) {
-      case IntrinsicsParameter::kFocalLength:
-        return given_.fx * options_.min_focal_error;
-      case IntrinsicsParameter::kCentreX:
-        return centre.x();
-      case IntrinsicsParameter::kCentreY:
-        return centre.y();
-      case IntrinsicsParameter::kDistortion:
-        return options_.min_correction_error;
-      case IntrinsicsParameter::kPixelAspect:
-        return estimate.given * options_.min_aspect_error;
-    }
-    return 0.0;
+  const auto exceeds = [&](double error, double least, double sigma) {
+    return error > least && error > options_.significance * sigma;
   };
   const double error = std::abs(estimate.found - estimate.given);
-  return error > least() && error > options_.significance * estimate.sigma;
+  switch (estimate.parameter) {
+    case IntrinsicsParameter::kFocalLength:
+      return exceeds(error, given_.fx * options_.min_focal_error, estimate.sigma);
+    case IntrinsicsParameter::kCentreX:
+      return exceeds(error, centre.x(), estimate.sigma);
+    case IntrinsicsParameter::kCentreY:
+      return exceeds(error, centre.y(), estimate.sigma);
+    case IntrinsicsParameter::kDistortion:
+      return exceeds(error, options_.min_correction_error, estimate.sigma);
+    case IntrinsicsParameter::kPixelAspect:
+      // Of a ratio, twice is as far off as half.
+      return exceeds(std::abs(std::log(estimate.found / estimate.given)), options_.min_aspect_error,
+                     estimate.sigma / estimate.found);
+  }
+  return false;
 }
 
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   if (windows_.empty()) return {};
   std::vector<ParameterEstimate> contradictions = Parameters(camera);
-  // The others were estimated as if the aspect were right.
-  if (const ParameterEstimate& aspect = contradictions.back(); Contradicts(aspect)) return {aspect};
   std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
   return contradictions;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,8 +42,8 @@ struct CalibrationCheckOptions {
   /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal
   /// length.
   double higher_prior_sigma = 0.1;
-  /// Width of a pixel over its height, relative: anamorphic video without its tag. It is tested beside the others,
-  /// which are estimated as if it were right.
+  /// Width of a pixel over its height, relative: anamorphic video without its tag. Counts as expected unless it is off
+  /// by more than `min_aspect_error` and `significance`, as level turns do not determine it. 0: not estimated.
   double aspect_prior_sigma = 0.3;
   /// Seconds in which a rolling shutter reads the image. In turns it shears the image, which looks like another
   /// principal point. Counts as 0 unless it exceeds `min_readout` and `significance`.
@@ -57,7 +59,8 @@ struct CalibrationCheckOptions {
   double focal_model_sigma = 0.007;     ///< relative
   double centre_model_sigma_deg = 0.2;  ///< degrees
   double correction_model_sigma = 0.003;
-  double aspect_model_sigma = 0.01;  ///< relative
+  double aspect_model_sigma = 0.02;   ///< relative; as recorded drives show that were squeezed
+  double readout_model_sigma = 0.07;  ///< relative; as rendered drives show
 
   // A contradiction is reported from these errors on, when it also exceeds `significance` standard deviations.
   double min_focal_error = 0.03;      ///< relative
@@ -87,11 +90,12 @@ struct ParameterEstimate {
   double sigma = 0;
 };
 
-/// How long a rolling shutter takes from the top to the bottom row of the image, seconds; below 0 if it begins at the
-/// bottom.
+/// How long a rolling shutter takes from the first row of the image as it was stored to the last one, seconds; below 0
+/// if it begins with the last one.
 struct ShutterReadout {
   double seconds = 0;
   double sigma = 0;
+  ReadDirection direction = {};  ///< from the first row to the last one, in the image as it is used
 };
 
 /// How a calibration has passed its test.
@@ -101,6 +105,9 @@ enum class CalibrationVerdict { kNotContradicted, kInDoubt, kContradicted };
 struct IntrinsicsEstimate {
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   IntrinsicsChange::Matrix covariance = IntrinsicsChange::Matrix::Zero();
+  std::vector<IntrinsicsChange::Entry> held = {};  ///< left as expected; their covariance is that of the prior
+
+  bool Holds(IntrinsicsChange::Entry entry) const { return std::ranges::find(held, entry) != held.end(); }
 };
 
 /// Consistency test of a calibration. Windows of keyframes in which the camera turns determine the intrinsics
@@ -130,32 +137,36 @@ class CalibrationCheck {
   /// Whether as many windows were read as there may be: no more are.
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error. The pixels'
-  /// aspect stays as given.
+  /// aspect and the readout are as expected unless the windows contradict that.
   IntrinsicsEstimate Estimate() const;
-  /// The pixels' aspect, whatever the other parameters are: linear in them, so that a small part of a large error
-  /// remains.
-  ParameterEstimate Aspect() const;
-  /// Empty if the images show none.
-  std::optional<ShutterReadout> Readout() const;
+  /// Empty if the images show none. `camera`: that of the windows.
+  std::optional<ShutterReadout> Readout(const CameraModel& camera) const;
   /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `camera`: that
   /// of the windows, with the radial correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Whether what was found is worth a report, and significant.
   bool Contradicts(const ParameterEstimate& estimate) const;
-  /// Those inconsistent with what is used, the aspect alone if it is; empty if the drive agrees or does not determine
-  /// them.
+  /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
   /// In doubt if focal length, principal point or distortion deviate by more than `doubt` standard deviations.
   CalibrationVerdict Verdict(const CameraModel& camera) const;
 
  private:
+  using Entries = std::vector<IntrinsicsChange::Entry>;
   /// The evidence of a window.
   struct Reading {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
+    double aspect = 0;  ///< change of its log at which the window was linearised
+    std::shared_ptr<const IntrinsicsProblem> window = nullptr;  ///< of the latest ones
   };
-  /// With these entries as given.
-  IntrinsicsEstimate EstimateWithout(const std::vector<IntrinsicsChange::Entry>& held) const;
+  /// What the estimate leaves as expected.
+  Entries Held() const;
+  /// Whether an entry is off what is expected, by more than `least` and significantly.
+  bool Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const;
+  /// With these entries as expected.
+  IntrinsicsEstimate EstimateHolding(const Entries& held) const;
+  ParameterEstimate AspectOf(const IntrinsicsEstimate& estimate) const;
   /// Standard deviations, as in the options.
   struct Sigmas {
     double focal = 0;
@@ -168,7 +179,10 @@ class CalibrationCheck {
   IntrinsicsChange::Matrix Covariance(const Sigmas& sigmas) const;
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
-  std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;
+  /// `known`: what is known without the window, which guides the way, and is taken off again.
+  std::optional<Reading> ReadingOf(IntrinsicsProblem& window, const IntrinsicsEstimate& known) const;
+  /// Linearises windows anew, with the pixels' aspect free.
+  void ReadAgain();
 
   CalibrationCheckOptions options_;
   Pinhole given_;

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -49,6 +52,15 @@ CameraModel WithCorrection(double correction = 0) {
   return camera;
 }
 
+ParameterEstimate Of(IntrinsicsParameter parameter, const std::vector<ParameterEstimate>& estimates) {
+  const auto found = std::ranges::find(estimates, parameter, &ParameterEstimate::parameter);
+  return found == estimates.end() ? ParameterEstimate() : *found;
+}
+
+ParameterEstimate Of(IntrinsicsParameter parameter, const CalibrationCheck& check) {
+  return Of(parameter, check.Parameters(WithCorrection()));
+}
+
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options, whole.camera.pinhole);
   for (int keyframes = 1; keyframes <= CountKeyframes(whole); ++keyframes) check.Observe(MapUpTo(keyframes, whole));
@@ -72,9 +84,10 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
 TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
   for (const Vector& error : {Change(0, 25, 0, 0), Change(0, 0, -25, 0)}) {
     const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 3));
-    const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
-    EXPECT_NEAR(all[1].found, 607, 0.2 * all[1].sigma);
-    EXPECT_NEAR(all[2].found, 185, 0.2 * all[2].sigma);
+    const ParameterEstimate x = Of(IntrinsicsParameter::kCentreX, check);
+    const ParameterEstimate y = Of(IntrinsicsParameter::kCentreY, check);
+    EXPECT_NEAR(x.found, 607, 0.2 * x.sigma);
+    EXPECT_NEAR(y.found, 185, 0.2 * y.sigma);
     const std::vector<ParameterEstimate> found = check.Contradictions(WithCorrection());
     ASSERT_EQ(found.size(), 1U) << error.transpose();
     EXPECT_EQ(found[0].parameter,
@@ -95,34 +108,90 @@ TEST(CalibrationCheck, AnErrorTooSmallForAReportLeavesTheCalibrationInDoubt) {
 
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
   const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0.015), 0.3, 4));
-  const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
-  EXPECT_NEAR(all[3].found, 0.015, 2 * all[3].sigma);
-  EXPECT_LT(all[3].sigma, 0.007);
+  const ParameterEstimate distortion = Of(IntrinsicsParameter::kDistortion, check);
+  EXPECT_NEAR(distortion.found, 0.015, 2 * distortion.sigma);
+  EXPECT_LT(distortion.sigma, 0.007);
   EXPECT_TRUE(check.Contradictions(WithCorrection(0.015)).empty()) << "applied";
 }
 
 // Looks down on the road: about a vertical axis in the image, a scene of another height turns alike.
 const Eigen::Quaterniond kPitched = RotationFromYawPitchRoll({0, -0.2, 0.05});
 
+// Pixels of a calibration that takes them for square.
+Map SqueezedMap(double aspect, unsigned seed, const Eigen::Quaterniond& vehicle_from_camera = kPitched) {
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kLogAspect] = -std::log(aspect);
+  return WrongMap(kRightAndLeft, error, 0.3, seed, vehicle_from_camera);
+}
+
 TEST(CalibrationCheck, FindsPixelsThatAreNotSquare) {
-  for (const double aspect : {0.75, 1.33}) {
-    Vector error = Vector::Zero();
-    error[IntrinsicsChange::kLogAspect] = -std::log(aspect);
-    const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4, kPitched));
-    const ParameterEstimate found = check.Aspect();
+  for (const double aspect : {0.5, 0.75, 1.33, 2.0}) {
+    const CalibrationCheck check = CheckAlong(SqueezedMap(aspect, 4));
+    const ParameterEstimate found = Of(IntrinsicsParameter::kPixelAspect, check);
     EXPECT_NEAR(found.given, 1 / aspect, 1e-9);
     EXPECT_NEAR(found.found, 1, 2 * found.sigma) << aspect;
-    EXPECT_LT(std::abs(found.found - 1), 0.4 * std::abs(found.given - 1)) << aspect;
+    EXPECT_LT(found.sigma, 0.08) << aspect;
     EXPECT_TRUE(check.Contradicts(found)) << aspect;
-    EXPECT_TRUE(std::ranges::any_of(check.Contradictions(WithCorrection()), [](const ParameterEstimate& estimate) {
-      return estimate.parameter == IntrinsicsParameter::kPixelAspect;
-    })) << aspect;
+    // The others are right, and so are their estimates.
+    const std::vector<ParameterEstimate> contradictions = check.Contradictions(WithCorrection());
+    ASSERT_EQ(contradictions.size(), 1U) << aspect;
+    EXPECT_EQ(contradictions[0].parameter, IntrinsicsParameter::kPixelAspect);
+    const ParameterEstimate y = Of(IntrinsicsParameter::kCentreY, check);
+    EXPECT_NEAR(y.found, 185, 2 * y.sigma) << aspect;
+    const ParameterEstimate focal = Of(IntrinsicsParameter::kFocalLength, check);
+    EXPECT_NEAR(focal.found, 718, focal.sigma) << aspect;
   }
-  Vector error = Vector::Zero();
-  error[IntrinsicsChange::kLogAspect] = 0.2;
-  const CalibrationCheck level = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4));
-  EXPECT_GT(level.Aspect().sigma, 0.1) << "such a turn does not show it";
-  EXPECT_FALSE(level.Contradicts(level.Aspect()));
+}
+
+TEST(CalibrationCheck, ALevelTurnDoesNotShowThePixelsAspect) {
+  const CalibrationCheck level = CheckAlong(SqueezedMap(1 / 1.22, 4, Eigen::Quaterniond::Identity()));
+  const ParameterEstimate found = Of(IntrinsicsParameter::kPixelAspect, level);
+  EXPECT_GT(found.sigma, 0.1);
+  EXPECT_FALSE(level.Contradicts(found));
+  EXPECT_TRUE(level.Estimate().Holds(IntrinsicsChange::kLogAspect));
+}
+
+TEST(CalibrationCheck, AnAspectCanBeLeftOut) {
+  CalibrationCheckOptions options;
+  options.aspect_prior_sigma = 0;
+  const IntrinsicsEstimate estimate = CheckAlong(SqueezedMap(0.75, 4), options).Estimate();
+  EXPECT_TRUE(estimate.Holds(IntrinsicsChange::kLogAspect));
+  EXPECT_EQ(estimate.change[IntrinsicsChange::kLogAspect], 0);
+}
+
+// As in passes over a drive: what a pass has changed goes on only as long as the images ask for it.
+TEST(CalibrationCheck, TheAspectIsTestedAgainstWhatIsExpected) {
+  const double wrong = std::log(1.25);
+  Vector expected = Vector::Zero();
+  const auto change_of = [&](const Map& map) {
+    CalibrationCheck check({}, map.camera.pinhole, expected);
+    for (int keyframes = 1; keyframes <= CountKeyframes(map); ++keyframes) check.Observe(MapUpTo(keyframes, map));
+    return check.Estimate();
+  };
+  // The pass before has found the aspect.
+  expected[IntrinsicsChange::kLogAspect] = -wrong;
+  const IntrinsicsEstimate right = change_of(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 4, kPitched));
+  EXPECT_FALSE(right.Holds(IntrinsicsChange::kLogAspect));
+  EXPECT_NEAR(right.change[IntrinsicsChange::kLogAspect], 0, 0.05);
+  // It has taken something else for one.
+  const IntrinsicsEstimate back = change_of(SqueezedMap(1 / 1.25, 4));
+  EXPECT_TRUE(back.Holds(IntrinsicsChange::kLogAspect));
+  EXPECT_NEAR(back.change[IntrinsicsChange::kLogAspect], -wrong, 1e-12);
+  EXPECT_NEAR(back.change[IntrinsicsChange::kLogFocal], 0, 0.01);
+  EXPECT_NEAR(back.change[IntrinsicsChange::kCentreY], 0, 8);
+}
+
+// Of a ratio, the sigma is relative, and an error has no bound from below.
+TEST(CalibrationCheck, AnAspectIsAsWrongBelowAsAbove) {
+  const CalibrationCheck check({}, kTestPinhole);
+  for (const double ratio : {0.4, 0.5, 0.8, 1.25, 2.0, 2.5}) {
+    const double relative = std::abs(std::log(ratio)) / 3;
+    const auto contradicts = [&](double sigma) {
+      return check.Contradicts({IntrinsicsParameter::kPixelAspect, 1, ratio, sigma * ratio});
+    };
+    EXPECT_TRUE(contradicts(0.99 * relative)) << ratio;
+    EXPECT_FALSE(contradicts(1.01 * relative)) << ratio;
+  }
 }
 
 TEST(CalibrationCheck, ARollingShutterIsNoOtherCamera) {
@@ -132,13 +201,49 @@ TEST(CalibrationCheck, ARollingShutterIsNoOtherCamera) {
     const Map map = WrongMap(kRightAndLeft, error, 0.3, 4);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << readout;
-    ASSERT_TRUE(check.Readout());
-    EXPECT_NEAR(check.Readout()->seconds, readout, 0.002);
-    EXPECT_LT(check.Readout()->sigma, 0.002);
+    ASSERT_TRUE(check.Readout(WithCorrection()));
+    EXPECT_NEAR(check.Readout(WithCorrection())->seconds, readout, 0.002);
+    EXPECT_LT(check.Readout(WithCorrection())->sigma, 0.002);
     EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kCentreY], 0, 2);
     CalibrationCheckOptions global;
     global.readout_prior_sigma = 1e-6;
     EXPECT_FALSE(CheckAlong(map, global).Contradictions(WithCorrection()).empty()) << "it has to be estimated";
+  }
+}
+
+// A clockwise quarter turn of the image, about its corner: what was below is on the left.
+Map TurnedByQuarter(Map map) {
+  const Pinhole before = map.camera.pinhole;
+  const int height = map.camera.height;
+  map.camera.pinhole = {before.fy, before.fx, height - 1 - before.cy, before.cx};
+  map.camera.height = std::exchange(map.camera.width, height);
+  map.camera.read_direction = {-1, 0};
+  const auto turn = [&](auto& observations) {
+    for (auto& seen : observations) seen.pixel = {height - 1 - seen.pixel.y(), seen.pixel.x()};
+  };
+  const RigidTransform quarter{RotationFromVector({0, 0, 0.5 * std::numbers::pi}), Eigen::Vector3d::Zero()};
+  for (Keyframe& keyframe : map.keyframes) {
+    keyframe.camera_from_world = quarter * keyframe.camera_from_world;
+    turn(keyframe.observations);
+  }
+  for (Landmark& landmark : map.landmarks) turn(landmark.observations);
+  return map;
+}
+
+TEST(CalibrationCheck, RowsAreThoseOfTheSensor) {
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  Map upright = WrongMap(kRightAndLeft, error, 0.3, 4);
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    const CalibrationCheck check = CheckAlong(upright);
+    EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << quarters;
+    const std::optional<ShutterReadout> readout = check.Readout(upright.camera);
+    ASSERT_TRUE(readout) << quarters;
+    EXPECT_NEAR(readout->seconds, 0.025, 0.002) << quarters;
+    EXPECT_EQ(readout->direction, upright.camera.read_direction);
+    const ReadDirection read = upright.camera.read_direction;
+    upright = TurnedByQuarter(std::move(upright));
+    upright.camera.read_direction = {-read.y, read.x};
   }
 }
 
@@ -159,7 +264,7 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
         CheckAlong(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, static_cast<unsigned>(seed)));
     EXPECT_GT(check.windows(), 1);
     EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << seed;
-    EXPECT_FALSE(check.Readout()) << seed;
+    EXPECT_FALSE(check.Readout(WithCorrection())) << seed;
     for (const ParameterEstimate& estimate : check.Parameters(WithCorrection()))
       EXPECT_LT(std::abs(estimate.found - estimate.given), 2.5 * estimate.sigma) << seed;
   }
@@ -195,7 +300,7 @@ TEST(CalibrationCheck, HigherTermsOfTheLensAreNoFocalLength) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0, 0.006) << seed;
-    const double applied = check.Parameters(WithCorrection())[3].found;
+    const double applied = Of(IntrinsicsParameter::kDistortion, check).found;
     EXPECT_TRUE(check.Contradictions(WithCorrection(applied)).empty()) << seed;
     CalibrationCheckOptions only_square;
     only_square.higher_prior_sigma = 0;
@@ -211,7 +316,7 @@ TEST(CalibrationCheck, ADistortionCountsByWhatItDoesInTheImage) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_GT(check.windows(), 0);
-    const ParameterEstimate distortion = check.Parameters(WithCorrection())[3];
+    const ParameterEstimate distortion = Of(IntrinsicsParameter::kDistortion, check);
     // Of the two, that in r^4 alone is ten sigmas; the others cancel to two or three.
     if (r2 == 0) {
       EXPECT_EQ(check.Contradictions(WithCorrection()).size(), 1U);
@@ -232,7 +337,7 @@ TEST(CalibrationCheck, WhatIsAppliedIsStatedAsWhatIsFound) {
     CameraModel camera = WithCorrection(correction);
     camera.lens = LensModel::kRadialTangential;
     camera.distortion[0] = k1;
-    return check.Parameters(camera)[3].given;
+    return Of(IntrinsicsParameter::kDistortion, check.Parameters(camera)).given;
   };
   EXPECT_NEAR(given(0.05, 0), 0.05, 1e-12);
   EXPECT_EQ(given(0, -0.2), 0);
@@ -258,9 +363,9 @@ TEST(CalibrationCheck, AStreetDoesNotTell) {
   const CalibrationCheck check = CheckAlong(WrongMap(kStreet, Change(0.14, 0, 0, 0), 0.3, 11));
   EXPECT_EQ(check.windows(), 0);
   EXPECT_TRUE(check.Contradictions(WithCorrection()).empty());
-  const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
-  EXPECT_EQ(all[0].found, all[0].given);
-  EXPECT_NEAR(all[0].sigma / all[0].given, CalibrationCheckOptions().focal_prior_sigma, 1e-9);
+  const ParameterEstimate focal = Of(IntrinsicsParameter::kFocalLength, check);
+  EXPECT_EQ(focal.found, focal.given);
+  EXPECT_NEAR(focal.sigma / focal.given, CalibrationCheckOptions().focal_prior_sigma, 1e-9);
 }
 
 TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
@@ -303,7 +408,7 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   CalibrationCheck unread(options, map.camera.pinhole, expected);
   EXPECT_FALSE(unread.Observe(MapUpTo(1, map)));
   EXPECT_EQ(unread.Estimate().change, expected);
-  EXPECT_NEAR(unread.Parameters(WithCorrection())[0].found, std::exp(0.05) * map.camera.pinhole.fx, 1e-9);
+  EXPECT_NEAR(Of(IntrinsicsParameter::kFocalLength, unread).found, std::exp(0.05) * map.camera.pinhole.fx, 1e-9);
   EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
@@ -320,8 +425,8 @@ TEST(CalibrationCheck, AnAngleIsMorePixelsAlongTheLongerFocalLength) {
   map.camera.pinhole.fy = 1.25 * map.camera.pinhole.fx;
   CalibrationCheck unread({}, map.camera.pinhole);
   EXPECT_FALSE(unread.Observe(MapUpTo(1, map)));
-  const std::vector<ParameterEstimate> all = unread.Parameters(WithCorrection());
-  EXPECT_NEAR(all[2].sigma, 1.25 * all[1].sigma, 1e-9);
+  EXPECT_NEAR(Of(IntrinsicsParameter::kCentreY, unread).sigma, 1.25 * Of(IntrinsicsParameter::kCentreX, unread).sigma,
+              1e-9);
 }
 
 TEST(CalibrationCheck, CanBeSwitchedOff) {

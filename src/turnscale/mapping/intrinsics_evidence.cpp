@@ -163,7 +163,7 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
       if (!distorted || !UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>())) continue;
       bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
-      row_motion_.push_back(RowMotion(map, seen.keyframe, map.landmarks[track.landmark].position, distorted->y()));
+      row_motion_.push_back(RowMotion(map, seen.keyframe, map.landmarks[track.landmark].position, *distorted));
       stretch_.push_back(1);
     }
   }

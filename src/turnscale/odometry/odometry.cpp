@@ -51,6 +51,7 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
   // Intrinsics estimated from a drive are not exact.
   if (camera.focal_sigma > 0) options.lens.accurate_share = 0;
+  WidenHeight(camera.aspect_sigma, options.vehicle);
   return options;
 }
 
@@ -417,7 +418,7 @@ ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined
 std::optional<ShutterReadout> Odometry::ReadoutOfDrive() const {
   const CalibrationCheck check = calibration_check();
   // A wrong camera may look like a rolling shutter.
-  return check.Contradictions(map_.camera).empty() ? check.Readout() : std::nullopt;
+  return check.Contradictions(map_.camera).empty() ? check.Readout(map_.camera) : std::nullopt;
 }
 
 RefinedScale Odometry::Refined() const {
@@ -427,6 +428,7 @@ RefinedScale Odometry::Refined() const {
   RefinedScale refined = scale_.Refine(map_, check.Verdict(map_.camera));
   WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = check.windows();
+  refined.aspect_sigma = map_.camera.aspect_sigma;
   refined.readout = ReadoutOfDrive();
   BridgeGapsOf(refined);
   return refined;

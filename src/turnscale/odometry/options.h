@@ -175,6 +175,10 @@ struct OdometryOptions {
   void Check() const;
 };
 
+/// Adds the relative standard deviation of the pixels' aspect to that of a given height above the road: in the images,
+/// a height is off by as much.
+void WidenHeight(double aspect_sigma, VehicleOptions& vehicle);
+
 /// The same without what gives the trajectory metres (lever arm and camera height): it is up to scale.
 OdometryOptions WithoutMetres(OdometryOptions options);
 

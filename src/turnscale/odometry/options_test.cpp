@@ -31,6 +31,23 @@ TEST(OdometryOptions, WithoutMetresNothingOfTheCarGivesTheScale) {
   EXPECT_NO_THROW(free.Check());
 }
 
+TEST(OdometryOptions, AnAspectThatIsUncertainMakesAHeightSo) {
+  VehicleOptions vehicle;
+  WidenHeight(0.03, vehicle);
+  EXPECT_FALSE(vehicle.camera_height_sigma) << "no height is given";
+  vehicle.camera_height = 1.5;
+  vehicle.height_correlation = 0.8;
+  vehicle.height_slip_correlation = -0.4;
+  WidenHeight(0, vehicle);
+  EXPECT_FALSE(vehicle.camera_height_sigma) << "the aspect is given";
+  const double before = vehicle.HeightSigma();
+  WidenHeight(0.03, vehicle);
+  const double after = vehicle.HeightSigma();
+  EXPECT_NEAR(after, std::hypot(before, 0.045), 1e-12);
+  EXPECT_NEAR(vehicle.height_correlation * after, 0.8 * before, 1e-12) << "the covariances stay";
+  EXPECT_NEAR(vehicle.height_slip_correlation * after, -0.4 * before, 1e-12);
+}
+
 TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0; }), "vehicle.lever_arm");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = std::nan(""); }), "vehicle.lever_arm");

@@ -36,6 +36,7 @@ struct RefinedScale {
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
   double calibration_sigma = 0;  ///< CalibrationSigma and what WidenScale has added; the sigmas of the scale include it
+  double aspect_sigma = 0;       ///< of the pixels, relative (CameraModel): of heights above the road alone
   int calibration_windows = 0;   ///< parts of turns in which the intrinsics were tested
   std::optional<ShutterReadout> readout;  ///< of a rolling shutter, if the images of turns show one
 };

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "turnscale/base/check_part.h"
-#include "turnscale/camera/lens_fit.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/calibration_pass.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
@@ -22,23 +22,14 @@ constexpr double kTracksWell = 0.9;
 constexpr double kLeadSeconds = 3.0;
 // After the last window: with another lens, windows begin at other keyframes.
 constexpr double kTrailSeconds = 10.0;
-constexpr double kLooseAtFirst = 4.0;
-constexpr double kTightening = 0.6;
 // A focal length may have to change by a factor of two, in steps of a tenth.
 constexpr int kMaxRounds = 15;
-// Farther apart, the last two passes have not found the same camera.
-constexpr double kAlternatingSigmas = 2;
 // Of a window: nearly all, so that it does not matter much which ones they are.
 constexpr int kMaxLandmarks = 600;
 
 // Result of one pass over the images.
 struct Reading {
-  IntrinsicsEstimate estimate;  ///< with the pixels' aspect as it was
-  ParameterEstimate aspect;
-  bool contradicts_aspect = false;
-  bool estimates_aspect = false;  ///< `estimate` has it
-  double radius = 0;              ///< from the principal point, up to which the windows show the lens, pixels
-  int windows = 0;
+  PassFindings findings;
   double begin = 0;          ///< time of the first image, seconds
   double first_time = 0;     ///< of the first window, seconds
   double last_time = 0;      ///< end of the last window, seconds
@@ -46,9 +37,6 @@ struct Reading {
   int frames = 0;
   int tracked = 0;
 };
-
-// Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which show most of it, fit worst.
-double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
 
 OdometryOptions OptionsForReading(const OdometryOptions& given, int pass) {
   OdometryOptions options = WithoutMetres(given);
@@ -71,7 +59,10 @@ CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, C
   check.max_rounds = kMaxRounds;
   check.max_landmarks = kMaxLandmarks;
   check.max_windows = pass == 0 ? options.first_windows : options.windows;
-  if (pass == 0) check.min_turn_deg = options.first_min_turn_deg;
+  if (pass > 0) return check;
+  check.min_turn_deg = options.first_min_turn_deg;
+  // It would stand for what else is wrong.
+  check.aspect_prior_sigma = 0;
   return check;
 }
 
@@ -102,102 +93,8 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
     reading.is_complete = check.IsComplete();
     if (reading.is_complete) break;
   }
-  reading.windows = check.windows();
-  reading.estimate = check.Estimate();
-  reading.aspect = check.Aspect();
-  reading.contradicts_aspect = check.Contradicts(reading.aspect);
-  reading.radius = check.observed_radius();
+  reading.findings = {check.Estimate(), check.observed_radius(), check.windows()};
   return reading;
-}
-
-// The camera after a change of its intrinsics; its tangential distortion stays if the lens model has one. The change
-// was read within a radius (pixels) of the principal point: beyond it, the series is an extrapolation.
-std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
-  const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
-  std::array<double, 2> tangential = {0, 0};
-  if (camera.lens == LensModel::kRadialTangential) tangential = {camera.distortion[2], camera.distortion[3]};
-  return FitLens(
-      pinhole, camera.width, camera.height,
-      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
-        const std::optional<CorrectedPixel> corrected = Correct(camera, change, pixel);
-        if (!corrected) return std::nullopt;
-        return pinhole.Ray(corrected->pixel).head<2>();
-      },
-      radius, tangential);
-}
-
-// The change of focal length and principal point that leads from one pinhole to another; the ratio of the focal lengths
-// is that of both axes.
-IntrinsicsChange::Vector ChangeBetween(const Pinhole& from, const Pinhole& to) {
-  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
-  change[IntrinsicsChange::kLogFocal] = std::log(to.fx / from.fx);
-  change[IntrinsicsChange::kCentreX] = to.cx - from.cx;
-  change[IntrinsicsChange::kCentreY] = to.cy - from.cy;
-  return change;
-}
-
-// Largest change of focal lengths and principal point, in standard deviations.
-double LargestStep(const IntrinsicsChange::Vector& change, const IntrinsicsChange::Vector& sigmas) {
-  const IntrinsicsChange::Vector steps = change.cwiseQuotient(sigmas).cwiseAbs();
-  return std::max({steps[IntrinsicsChange::kLogFocal], steps[IntrinsicsChange::kLogAspect],
-                   steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
-}
-
-// Largest change of the ray of a pixel within a radius (pixels) of the principal point.
-double Difference(const CameraModel& camera, const CameraModel& other, double radius) {
-  const Eigen::Vector2d centre(camera.pinhole.cx, camera.pinhole.cy);
-  double largest = 0;
-  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
-    for (const double y : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector2d place(x * (camera.width - 1), y * (camera.height - 1));
-      const double share = std::min(1.0, radius / std::max(1.0, (place - centre).norm()));
-      const Eigen::Vector2d pixel = centre + share * (place - centre);
-      const auto one = camera.Undistort(pixel);
-      const auto two = other.Undistort(pixel);
-      if (!one || !two) return HUGE_VAL;
-      const Eigen::Vector3d difference = camera.pinhole.Ray(*one) - other.pinhole.Ray(*two);
-      largest = std::max(largest, difference.norm());
-    }
-  return largest;
-}
-
-// What the passes so far have found, and the camera for the next one.
-struct CameraOfPasses {
-  FoundCamera found;
-  CameraModel next;
-  bool is_last = false;  ///< no other pass is needed, or left
-};
-
-// What follows from the reading with `camera` that was the last of so many passes. Nothing where the change of the
-// camera leads to none: a distortion that folds back, or windows that show hardly anything of the lens.
-std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, const CameraModel& camera,
-                                         const Reading& reading, int passes) {
-  const IntrinsicsChange::Vector& change = reading.estimate.change;
-  const std::optional<CameraModel> next = Changed(camera, change, reading.radius);
-  if (!next) return std::nullopt;
-  const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
-  const double step_sigmas = LargestStep(change, sigmas);
-  // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
-  // thresholds are never the last.
-  const bool is_strict = LooseBy(passes - 1) == 1;
-  const bool settled = is_strict && (Difference(camera, *next, reading.radius) < options.converged ||
-                                     step_sigmas < options.converged_sigmas);
-  CameraOfPasses result{.found = {}, .next = *next, .is_last = settled || passes == options.max_passes};
-  // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
-  // optimum: where windows are few, by as much as their sigmas.
-  const bool alternates = settled || (result.is_last && passes > 1 && step_sigmas < kAlternatingSigmas);
-  const std::optional<CameraModel> middle = alternates ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
-  FoundCamera& found = result.found;
-  found.camera = middle.value_or(*next);
-  const double relative_sigma =
-      std::hypot(sigmas[IntrinsicsChange::kLogFocal], 0.5 * change[IntrinsicsChange::kLogFocal]);
-  found.camera.focal_sigma = relative_sigma * found.camera.pinhole.fx;
-  found.centre_sigma = std::hypot(sigmas[IntrinsicsChange::kCentreX], 0.5 * change[IntrinsicsChange::kCentreX]);
-  found.windows = reading.windows;
-  found.converged = alternates;
-  if (reading.estimates_aspect)
-    found.aspect_sigma = std::hypot(sigmas[IntrinsicsChange::kLogAspect], 0.5 * change[IntrinsicsChange::kLogAspect]);
-  return result;
 }
 
 // The passes over a drive. Each estimates a change of the previous pass's camera, since the series is close to any lens
@@ -213,7 +110,7 @@ class SelfCalibration {
     if (!ReadFirst(start)) return std::nullopt;
     std::optional<FoundCamera> found;
     for (int passes = 1;; ++passes) {
-      const std::optional<CameraOfPasses> result = CameraFrom(options_, camera_, reading_, passes);
+      const std::optional<CameraOfPasses> result = CameraFrom(options_, camera_, reading_.findings, passes);
       if (!result) return found;
       if (result->is_last) return result->found;
       camera_ = result->next;
@@ -229,12 +126,14 @@ class SelfCalibration {
   bool ReadFirst(const StartCamera& start) {
     StartWith(start.camera);
     for (const double view : kOtherViews) {
-      if (reading_.windows > 0 || !start.assumed || reading_.tracked > kTracksWell * reading_.frames) break;
-      StartWith(CameraOfLongerView(view, start.camera.width, start.camera.height,
-                                   start.camera.pinhole.fy / start.camera.pinhole.fx));
+      if (reading_.findings.windows > 0 || !start.assumed || reading_.tracked > kTracksWell * reading_.frames) break;
+      CameraModel other = CameraOfLongerView(view, start.camera.width, start.camera.height,
+                                             start.camera.pinhole.fy / start.camera.pinhole.fx);
+      other.read_direction = start.camera.read_direction;
+      StartWith(other);
     }
     begin_ = reading_.begin;
-    return reading_.windows > 0;
+    return reading_.findings.windows > 0;
   }
 
   void StartWith(const CameraModel& camera) {
@@ -249,24 +148,11 @@ class SelfCalibration {
     const auto from =
         passes == 1 ? std::nullopt : std::optional(std::max(0.0, reading_.first_time - begin_ - kLeadSeconds));
     Reading again = Read(passes, from);
-    if (again.windows == 0) return false;
-    FollowAspect(again);
+    if (again.findings.windows == 0) return false;
     // A pass that has read the drive to its end has found all windows.
     if (passes == 1 && !again.is_complete) end_ = again.last_time + kTrailSeconds;
     reading_ = again;
     return true;
-  }
-
-  // Takes the pixels' aspect into the estimate if it has to change. Not from the first pass, in which it stands for
-  // what else is wrong.
-  void FollowAspect(Reading& reading) {
-    follows_aspect_ = follows_aspect_ || reading.contradicts_aspect;
-    if (!follows_aspect_) return;
-    reading.estimates_aspect = true;
-    constexpr int kEntry = IntrinsicsChange::kLogAspect;
-    const ParameterEstimate& aspect = reading.aspect;
-    reading.estimate.change[kEntry] = std::log(aspect.found / aspect.given);
-    reading.estimate.covariance(kEntry, kEntry) = std::pow(aspect.sigma / aspect.found, 2);
   }
 
   Reading Read(int pass, std::optional<double> from = std::nullopt) const {
@@ -280,10 +166,9 @@ class SelfCalibration {
   const OdometryOptions& odometry_;
   const OpenDrive& open_;
   const cv::Mat& mask_;
-  CameraModel camera_;  // of the last pass, then of the next one
-  Pinhole expected_;    // mean of the prior
-  Reading reading_;     // of the last pass
-  bool follows_aspect_ = false;
+  CameraModel camera_;     // of the last pass, then of the next one
+  Pinhole expected_;       // mean of the prior
+  Reading reading_;        // of the last pass
   double begin_ = 0;       // of the drive, time of an image
   double end_ = HUGE_VAL;  // of what the passes read, time of an image
 };

@@ -66,9 +66,6 @@ struct FoundCamera {
   int windows = 0;          ///< windows in turns that decided
   /// The last pass changed no ray by much, or focal length and principal point by less than two standard deviations.
   bool converged = false;
-  /// Standard deviation of the width of a pixel over its height, fy / fx, relative; 0 where the images do not
-  /// contradict what is assumed of it, so that it is not estimated.
-  double aspect_sigma = 0;
 };
 
 /// Estimates focal length, principal point and radial distortion from the first turns of a drive.

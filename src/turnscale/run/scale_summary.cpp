@@ -95,7 +95,8 @@ CarSummary CarSummaryOf(const RefinedScale& scale, double yaw) {
   const ScaleEstimate& estimate = *scale.estimate;
   if (!estimate.uses_single_turns) {
     summary.refined = estimate.car;
-    summary.refined->camera_height_sigma = HeightSigma(estimate, scale.calibration_sigma);
+    summary.refined->camera_height_sigma =
+        HeightSigma(estimate, std::hypot(scale.calibration_sigma, scale.aspect_sigma));
   }
   if (estimate.has_reliable_car()) summary.evidence = estimate.car_evidence;
   if (estimate.yaw_conflict) summary.contradicting_yaw = yaw + estimate.car.yaw_error;

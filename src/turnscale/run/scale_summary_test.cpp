@@ -109,6 +109,9 @@ TEST(CarSummary, TheHeightIsAsUncertainAsTheScale) {
   scale.calibration_sigma = 0.2;
   EXPECT_NEAR(sigma(), std::hypot(0.03, 0.3), 1e-12) << "a wrong calibration";
   scale.calibration_sigma = 0;
+  scale.aspect_sigma = 0.02;
+  EXPECT_NEAR(sigma(), std::hypot(0.03, 0.03), 1e-12) << "of the pixels' aspect";
+  scale.aspect_sigma = 0;
   scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 1.26, 0.02, false};
   EXPECT_NEAR(sigma(), std::hypot(0.03, 1.5 * 0.5 * std::log(1.4 / 1.26)), 1e-12) << "between two lengths";
   scale.estimate->height_conflict.reset();

@@ -240,6 +240,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("centre_model_sigma_deg", o.centre_model_sigma_deg);
     visitor.Field("correction_model_sigma", o.correction_model_sigma);
     visitor.Field("aspect_model_sigma", o.aspect_model_sigma);
+    visitor.Field("readout_model_sigma", o.readout_model_sigma);
     visitor.Field("min_focal_error", o.min_focal_error);
     visitor.Field("min_centre_error_deg", o.min_centre_error_deg);
     visitor.Field("min_correction_error", o.min_correction_error);

@@ -122,9 +122,8 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummar
     return json;
   }
   json["focal_length_sigma"] = found->camera.focal_sigma;
+  if (found->camera.aspect_sigma > 0) json["pixel_aspect_sigma"] = found->camera.aspect_sigma;
   json["principal_point_sigma"] = found->centre_sigma;
-  if (found->aspect_sigma > 0)
-    json["pixel_aspect_sigma"] = found->aspect_sigma * found->camera.pinhole.fy / found->camera.pinhole.fx;
   json["windows"] = found->windows;
   json["converged"] = found->converged;
   return json;

@@ -45,13 +45,22 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
   return text;
 }
 
+// The side of the image at which a step along `direction` ends.
+const char* SideAt(const ReadDirection& direction) {
+  if (direction.x != 0) return direction.x > 0 ? "right" : "left";
+  return direction.y > 0 ? "bottom" : "top";
+}
+
 // One line; empty if the images show no rolling shutter.
 std::string ShutterText(const ScaleSummary& scale) {
   if (!scale.readout) return {};
-  const bool is_downwards = scale.readout->seconds > 0;
-  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} row of the image to the {}; corrected\n",
-                     1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma,
-                     is_downwards ? "top" : "bottom", is_downwards ? "bottom" : "top");
+  const auto [x, y] = scale.readout->direction;
+  const char* last = SideAt({x, y});
+  const char* first = SideAt({-x, -y});
+  const bool begins_first = scale.readout->seconds > 0;
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} of the image to the {}; corrected\n",
+                     1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma, begins_first ? first : last,
+                     begins_first ? last : first);
 }
 
 // One line; empty before the first image.
@@ -68,7 +77,7 @@ std::string IntrinsicsText(const DriveFacts& drive, const ScaleSummary& scale) {
   return fmt::format(
       "lens    focal length {}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
-      FocalLengthText(*found), pinhole.cx, pinhole.cy, found->centre_sigma,
+      FocalLengthText(found->camera), pinhole.cx, pinhole.cy, found->centre_sigma,
       (std::filesystem::path(given.folder) / RunFiles::kCamera).string());
 }
 
@@ -225,14 +234,13 @@ std::string SideSlipText(const CarRefinement& car, double assumed, double assume
   return fmt::format("{}, refined from the {} {}", after, is_default ? "default" : "given", before);
 }
 
-std::string FocalLengthText(const FoundCamera& found) {
+std::string FocalLengthText(const CameraModel& camera) {
   constexpr double kSquare = 0.001;
-  const CameraModel& camera = found.camera;
   const double aspect = camera.pinhole.fy / camera.pinhole.fx;
   std::string text = fmt::format("{:.1f} +-{:.1f}", camera.pinhole.fx, camera.focal_sigma);
   if (std::abs(aspect - 1) > kSquare)
     text += fmt::format(" (vertically {:.1f}, as pixels are {:.3f}{} times as wide as high)", camera.pinhole.fy, aspect,
-                        found.aspect_sigma > 0 ? fmt::format(" +-{:.3f}", found.aspect_sigma * aspect) : "");
+                        camera.aspect_sigma > 0 ? fmt::format(" +-{:.3f}", camera.aspect_sigma * aspect) : "");
   return text;
 }
 

@@ -89,8 +89,12 @@ TEST(SummaryText, ARollingShutterIsNamed) {
   EXPECT_FALSE(Says(summary, "shutter"));
   EXPECT_FALSE(nlohmann::json::parse(SummaryJson(summary))["intrinsics"].contains("readout_ms"));
   summary.scale.readout = ShutterReadout{0.0193, 0.0006};
-  EXPECT_TRUE(Says(summary, "shutter rolling, 19.3 +-0.6 ms from the top row of the image to the bottom"));
+  EXPECT_TRUE(Says(summary, "shutter rolling, 19.3 +-0.6 ms from the top of the image to the bottom"));
   EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["readout_ms"], 19.3, 1e-9);
+  summary.scale.readout->direction = {-1, 0};
+  EXPECT_TRUE(Says(summary, "19.3 +-0.6 ms from the right of the image to the left"));
+  summary.scale.readout->seconds *= -1;
+  EXPECT_TRUE(Says(summary, "19.3 +-0.6 ms from the left of the image to the right"));
 }
 
 TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
@@ -103,9 +107,9 @@ TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
                    "lens    focal length 600.0 +-6.0 (vertically 800.0, as pixels are 1.333 times as wide "
                    "as high), principal point"));
   EXPECT_FALSE(nlohmann::json::parse(SummaryJson(summary))["intrinsics"].contains("pixel_aspect_sigma"));
-  summary.drive.given.found_camera->aspect_sigma = 0.012;
+  summary.drive.given.found_camera->camera.aspect_sigma = 0.012;
   EXPECT_TRUE(Says(summary, "pixels are 1.333 +-0.016 times as wide as high)"));
-  EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["pixel_aspect_sigma"], 0.016, 1e-9);
+  EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["pixel_aspect_sigma"], 0.012, 1e-9);
 }
 
 TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {

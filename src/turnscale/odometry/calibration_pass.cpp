@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/calibration_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "turnscale/camera/lens_fit.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kLooseAtFirst = 4.0;
+constexpr double kTightening = 0.6;
+// Farther apart, the last two passes have not found the same camera.
+constexpr double kAlternatingSigmas = 2;
+// Logs of aspects that differ by rounding alone.
+constexpr double kSameAspect = 1e-9;
+
+// The camera after a change of its intrinsics; its tangential distortion stays if the lens model has one. The change
+// was read within a radius (pixels) of the principal point: beyond it, the series is an extrapolation.
+std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
+  const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
+  std::array<double, 2> tangential = {0, 0};
+  if (camera.lens == LensModel::kRadialTangential) tangential = {camera.distortion[2], camera.distortion[3]};
+  std::optional<CameraModel> changed = FitLens(
+      pinhole, camera.width, camera.height,
+      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+        const std::optional<CorrectedPixel> corrected = Correct(camera, change, pixel);
+        if (!corrected) return std::nullopt;
+        return pinhole.Ray(corrected->pixel).head<2>();
+      },
+      radius, tangential);
+  if (changed) changed->read_direction = camera.read_direction;
+  return changed;
+}
+
+// Largest change of focal lengths and principal point, in standard deviations. An aspect of the pixels that goes back
+// to the expected one has not been tried.
+double LargestStep(const IntrinsicsEstimate& estimate) {
+  const IntrinsicsChange::Vector& change = estimate.change;
+  const IntrinsicsChange::Vector steps = change.cwiseQuotient(estimate.covariance.diagonal().cwiseSqrt()).cwiseAbs();
+  const bool holds_aspect = estimate.Holds(IntrinsicsChange::kLogAspect);
+  if (holds_aspect && std::abs(change[IntrinsicsChange::kLogAspect]) > kSameAspect) return HUGE_VAL;
+  return std::max({steps[IntrinsicsChange::kLogFocal], holds_aspect ? 0.0 : steps[IntrinsicsChange::kLogAspect],
+                   steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
+}
+
+// Largest change of the ray of a pixel within a radius (pixels) of the principal point.
+double Difference(const CameraModel& camera, const CameraModel& other, double radius) {
+  const Eigen::Vector2d centre(camera.pinhole.cx, camera.pinhole.cy);
+  double largest = 0;
+  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d place(x * (camera.width - 1), y * (camera.height - 1));
+      const double share = std::min(1.0, radius / std::max(1.0, (place - centre).norm()));
+      const Eigen::Vector2d pixel = centre + share * (place - centre);
+      const auto one = camera.Undistort(pixel);
+      const auto two = other.Undistort(pixel);
+      if (!one || !two) return HUGE_VAL;
+      const Eigen::Vector3d difference = camera.pinhole.Ray(*one) - other.pinhole.Ray(*two);
+      largest = std::max(largest, difference.norm());
+    }
+  return largest;
+}
+
+}  // namespace
+
+double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
+
+IntrinsicsChange::Vector ChangeBetween(const Pinhole& from, const Pinhole& to) {
+  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
+  change[IntrinsicsChange::kLogFocal] = std::log(to.fx / from.fx);
+  change[IntrinsicsChange::kLogAspect] = std::log(to.fy / to.fx / (from.fy / from.fx));
+  change[IntrinsicsChange::kCentreX] = to.cx - from.cx;
+  change[IntrinsicsChange::kCentreY] = to.cy - from.cy;
+  return change;
+}
+
+std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, const CameraModel& camera,
+                                         const PassFindings& findings, int passes) {
+  const IntrinsicsChange::Vector& change = findings.estimate.change;
+  const std::optional<CameraModel> next = Changed(camera, change, findings.radius);
+  if (!next) return std::nullopt;
+  const IntrinsicsChange::Vector sigmas = findings.estimate.covariance.diagonal().cwiseSqrt();
+  const double step_sigmas = LargestStep(findings.estimate);
+  // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
+  // thresholds are never the last.
+  const bool is_strict = LooseBy(passes - 1) == 1;
+  const bool settled = is_strict && (Difference(camera, *next, findings.radius) < options.converged ||
+                                     step_sigmas < options.converged_sigmas);
+  CameraOfPasses result{.found = {}, .next = *next, .is_last = settled || passes == options.max_passes};
+  // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
+  // optimum: where windows are few, by as much as their sigmas.
+  const bool alternates = settled || (result.is_last && passes > 1 && step_sigmas < kAlternatingSigmas);
+  const std::optional<CameraModel> middle = alternates ? Changed(camera, 0.5 * change, findings.radius) : std::nullopt;
+  FoundCamera& found = result.found;
+  found.camera = middle.value_or(*next);
+  const auto sigma_of = [&](IntrinsicsChange::Entry entry) { return std::hypot(sigmas[entry], 0.5 * change[entry]); };
+  found.camera.focal_sigma = sigma_of(IntrinsicsChange::kLogFocal) * found.camera.pinhole.fx;
+  if (!findings.estimate.Holds(IntrinsicsChange::kLogAspect))
+    found.camera.aspect_sigma = sigma_of(IntrinsicsChange::kLogAspect);
+  found.centre_sigma = sigma_of(IntrinsicsChange::kCentreX);
+  found.windows = findings.windows;
+  found.converged = alternates;
+  return result;
+}
+
+}  // namespace turnscale
