@@ -174,10 +174,15 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   StartPlace place;
   place.after_gap = continues;
   if (continues) {
-    const GapImages images = {tracker_.latest_gray(), loss_.first_lost(), start.first_image};
-    place.predicted =
-        PredictStart(motion_, start,
-                     MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current()));
+    const GapImages images = {.before = tracker_.latest_gray(),
+                              .lost = loss_.first_lost(),
+                              .after = start.first_image,
+                              .car_stood = tracker_.HasStood() && BeginsAtStandstill(options_.static_regions, start)};
+    const auto rotation =
+        MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current());
+    const bool is_metric = scale_.state() != ScaleState::kPending;
+    const auto metres_per_unit = is_metric ? std::optional(scale_.live_path().metres_per_unit.back()) : std::nullopt;
+    place.predicted = PredictStart(motion_, start, rotation, metres_per_unit);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
   const AddedStart added = AddStart(start, place, map_);
