@@ -25,16 +25,19 @@ constexpr double kSigma = 0.5 / kDegreesPerRadian;
 struct Matches {
   std::vector<Eigen::Vector2d> first;
   std::vector<Eigen::Vector2d> second;
-  double max_error = 0;  // pixels
+  double max_error = 0;  // pixels; of a distance to the epipolar line
 
   int count() const { return static_cast<int>(first.size()); }
 };
 
+// Of the scene, as far as is known.
 Matches MatchedPixels(const GapRotationOptions& options, const CameraModel& camera, const DescribedKeypoints& first,
-                      const DescribedKeypoints& second) {
+                      const DescribedKeypoints& second, bool car_stood) {
+  const double scale = std::max(first.scale, second.scale);
   Matches matches;
-  matches.max_error = options.max_epipolar_error * std::max(first.scale, second.scale);
+  matches.max_error = options.max_epipolar_error * scale;
   for (const KeypointMatch& match : MatchKeypoints(options.keypoints, first, second)) {
+    if (!car_stood && cv::norm(match.second - match.first) <= options.max_still_motion * scale) continue;
     const std::optional<Eigen::Vector2d> a = camera.Undistort({match.first.x, match.first.y});
     const std::optional<Eigen::Vector2d> b = camera.Undistort({match.second.x, match.second.y});
     if (!a || !b) continue;
@@ -121,9 +124,9 @@ bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& seco
 // Of the second image from the first.
 std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& options, const CameraModel& camera,
                                                   const DescribedKeypoints& first, const DescribedKeypoints& second,
-                                                  const Mount& mount) {
+                                                  bool car_stood, const Mount& mount) {
   const Pinhole& pinhole = camera.pinhole;
-  const Matches matches = MatchedPixels(options, camera, first, second);
+  const Matches matches = MatchedPixels(options, camera, first, second, car_stood);
   if (matches.count() < options.min_matches) return std::nullopt;
   if (const auto rotation = RotationAlone(options, pinhole, matches))
     return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
@@ -142,6 +145,7 @@ std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& opti
 void GapRotationOptions::Check() const {
   CheckPart("", keypoints);
   Require(max_epipolar_error > 0, "max_epipolar_error: has to be positive");
+  Require(max_still_motion > 2 * max_epipolar_error, "max_still_motion: has to be above twice max_epipolar_error");
   Require(min_matches >= kFewestMatches, "min_matches: has to be at least 5");
   Require(min_match_share >= 0 && min_match_share <= 1, "min_match_share: has to be in 0...1");
   Require(min_still_share >= 0 && min_still_share <= 1, "min_still_share: has to be in 0...1");
@@ -154,7 +158,7 @@ std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options,
                                               const GapImages& images, const cv::Mat& mask, const Mount& mount) {
   const auto describe = [&](const cv::Mat& gray) { return DescribeKeypoints(options.keypoints, gray, mask); };
   const auto between = [&](const DescribedKeypoints& first, const DescribedKeypoints& second) {
-    return RotationBetween(options, camera, first, second, mount);
+    return RotationBetween(options, camera, first, second, images.car_stood, mount);
   };
   const DescribedKeypoints before = describe(images.before);
   const DescribedKeypoints after = describe(images.after);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/features/synthetic_texture.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/test_boards.h"
@@ -74,12 +75,38 @@ TEST(GapRotation, IsThatOfACar) {
 
 TEST(GapRotation, OfACarThatStood) {
   const cv::Mat image = Seen(At(0, 0, 0));
-  const auto same = Measured({image, {}, image});
+  const auto same = Measured({.before = image, .lost = {}, .after = image, .car_stood = true});
   ASSERT_TRUE(same);
   EXPECT_LT(DegreesBetween(*same, kLevel), 0.1);
+  EXPECT_FALSE(Measured({image, {}, image})) << "a car that drives does not see the same again";
   const auto turned = Measured({image, {}, Seen(At(0, 0, 0.2))});
   ASSERT_TRUE(turned);
   EXPECT_LT(DegreesBetween(*turned, At(0, 0, 0.2).rotation), 0.1);
+}
+
+// The lower part of the image is a dashboard, from this row on.
+cv::Mat WithDashboard(cv::Mat image, int row) {
+  const SyntheticTexture texture(77, 8, 60);
+  const cv::Mat dashboard = MakeImage(image.size(), [&](const Eigen::Vector2d& pixel) { return texture.At(pixel); });
+  dashboard.rowRange(row, image.rows).copyTo(image.rowRange(row, image.rows));
+  return image;
+}
+
+TEST(GapRotation, ADashboardIsNoneOfTheScene) {
+  constexpr int kLarge = 80;
+  constexpr int kSmall = 150;
+  for (const int row : {kSmall, kLarge}) {
+    const cv::Mat before = WithDashboard(Seen(At(0, 0, 0)), row);
+    const cv::Mat elsewhere = WithDashboard(Boards(50).Seen(SmallCamera(), At(0, 0, 0)), row);
+    EXPECT_FALSE(Measured({before, {}, elsewhere})) << "the car has turned away, row " << row;
+    EXPECT_FALSE(Measured({before, elsewhere, elsewhere})) << row;
+    EXPECT_TRUE(Measured({.before = before, .lost = {}, .after = elsewhere, .car_stood = true})) << row;
+  }
+  const cv::Mat before = WithDashboard(Seen(At(0, 0, 0)), kSmall);
+  const RigidTransform after = At(0.06, 1.2, 0.25);
+  const auto turned = Measured({before, {}, WithDashboard(Seen(after), kSmall)});
+  ASSERT_TRUE(turned);
+  EXPECT_LT(DegreesBetween(*turned, after.rotation), 0.5);
 }
 
 TEST(GapRotation, ACameraThatMayBePitchedIsAllowedSomeTilt) {
@@ -96,6 +123,7 @@ TEST(GapRotationOptions, RefusesSenselessValues) {
   using Options = GapRotationOptions;
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.keypoints.max_keypoints = 0; }), "max_keypoints");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "max_epipolar_error");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_still_motion = 2; }), "max_still_motion");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_matches = 4; }), "min_matches");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_match_share = 1.1; }), "min_match_share");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_still_share = -1; }), "min_still_share");

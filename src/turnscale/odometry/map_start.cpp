@@ -12,7 +12,6 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/image_tracking.h"
-#include "turnscale/odometry/path_gaps.h"
 #include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
@@ -85,18 +84,32 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   return Combine(from_depth, from_speed);
 }
 
+bool BeginsAtStandstill(const StaticRegionOptions& options, const InitialMap& start) {
+  // Of a car that drives, even slowly, and behind a large dashboard.
+  constexpr double kMoment = 0.2;  // seconds
+  constexpr double kMostThatMoves = 0.1;
+  const WaitingFrame& first = start.frames.front();
+  // The second view has moved, or there would be no start.
+  for (std::size_t i = 1; i + 1 < start.frames.size(); ++i) {
+    const WaitingFrame& frame = start.frames[i];
+    if (frame.time - first.time < kMoment) continue;
+    double moved = 0;
+    for (std::size_t k = 0; k < frame.features.size(); ++k)
+      moved += (frame.undistorted[k] - first.undistorted[frame.features[k]]).norm() > options.max_motion ? 1 : 0;
+    return moved < kMostThatMoves * static_cast<double>(frame.features.size());
+  }
+  return false;
+}
+
 PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
-                            const std::optional<GapRotation>& measured) {
+                            const std::optional<GapRotation>& measured, std::optional<double> metres_per_unit) {
   const double time = start.frames.front().time;
   const auto turn = [&](const Eigen::Quaterniond& rotation) {
     return motion.vertical().dot(VectorFromRotation(rotation));
   };
   const double rate = turn(start.second_from_first.rotation) / (start.frames.back().time - time);
-  if (!measured) {
-    const double larger_rate = std::max(std::abs(rate), std::abs(motion.turning_rate()));
-    return {motion.PredictAcross(time, rate, std::nullopt),
-            GapTurnSigma(time - motion.last_measured_time(), larger_rate)};
-  }
+  if (!measured)
+    return {motion.PredictAcross(time, rate, std::nullopt), motion.TurnSigmaAcross(time, rate, metres_per_unit)};
   const RigidTransform predicted = motion.PredictAcross(time, rate, turn(measured->after_from_before));
   const Eigen::Quaterniond rotation = measured->after_from_before * motion.last().rotation;
   return {{rotation, -(rotation * predicted.inverse().translation)}, measured->sigma, true};

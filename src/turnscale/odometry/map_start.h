@@ -23,6 +23,10 @@ namespace turnscale {
 UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const MotionModel& motion,
                        const InitialMap& start);
 
+/// Whether the car stood when the first view of a start was taken, and for a moment after it: hardly anything had moved
+/// in the image then.
+bool BeginsAtStandstill(const StaticRegionOptions& options, const InitialMap& start);
+
 struct PredictedStart {
   RigidTransform first_from_world;  ///< of the first view
   double turn_sigma = 0;            ///< standard deviation of the angle turned since the last pose, rad
@@ -30,9 +34,10 @@ struct PredictedStart {
 };
 
 /// Predicts the pose of a start after a gap. `measured`: the camera's rotation since the last pose before the gap,
-/// where the images show it; else it follows from the turning rates before and after the gap.
+/// where the images show it; else it follows from the turning rates before and after the gap. `metres_per_unit`: before
+/// the gap, if it is known.
 PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
-                            const std::optional<GapRotation>& measured);
+                            const std::optional<GapRotation>& measured, std::optional<double> metres_per_unit);
 
 /// Where a start is put in the map.
 struct StartPlace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_start.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -159,33 +160,49 @@ TEST(MapStart, NoiseOfStandingIsNoSpeedWhereFewDepthsAreKnown) {
   EXPECT_GE(standing(1.0).sigma, 1) << "no depth at all";
 }
 
+TEST(MapStart, ACarStandsAtFirstOrDrives) {
+  const auto begins_at_standstill = [](const Start& start) { return BeginsAtStandstill({}, start.map); };
+  Start start = GoingAhead(5, 2, 10);
+  EXPECT_FALSE(begins_at_standstill(start));
+  Start waiting = start;
+  for (std::size_t i = 1; i + 1 < waiting.map.frames.size(); ++i)
+    waiting.map.frames[i].undistorted = waiting.map.frames[0].undistorted;
+  EXPECT_TRUE(begins_at_standstill(waiting));
+  for (WaitingFrame& frame : waiting.map.frames) frame.time = 5 + 0.1 * (frame.time - 5);
+  EXPECT_FALSE(begins_at_standstill(waiting)) << "for too short a time to tell";
+  // Most of the image is a dashboard.
+  for (std::size_t i = 1; i < start.map.frames.size(); ++i)
+    std::copy_n(start.map.frames[0].undistorted.begin(), 64, start.map.frames[i].undistorted.begin());
+  EXPECT_FALSE(begins_at_standstill(start));
+}
+
 TEST(MapStart, AfterAGapTheCarHasTurnedAsImagesOrRatesShow) {
   Start start = GoingAhead(7, 2, 10);
   MotionModel motion;
   motion.Update(5, RigidTransform{});
   motion.Update(5.1, {Eigen::Quaterniond::Identity(), {0, 0, -0.2}});
   const auto turn_of = [](const RigidTransform& pose) { return VectorFromRotation(pose.rotation).y(); };
-  EXPECT_NEAR(turn_of(PredictStart(motion, start.map, std::nullopt).first_from_world), 0, 1e-9);
+  EXPECT_NEAR(turn_of(PredictStart(motion, start.map, std::nullopt, {}).first_from_world), 0, 1e-9);
 
   start.map.second_from_first.rotation = RotationFromVector({0, -0.15, 0});  // in 0.3 s
-  const RigidTransform by_rates = PredictStart(motion, start.map, std::nullopt).first_from_world;
+  const RigidTransform by_rates = PredictStart(motion, start.map, std::nullopt, {}).first_from_world;
   EXPECT_LT(turn_of(by_rates), -0.3);
   EXPECT_GT(turn_of(by_rates), -0.5);
 
   const Eigen::Quaterniond measured = RotationFromVector({0.02, -0.6, 0});
-  const PredictedStart measured_start = PredictStart(motion, start.map, GapRotation{measured, 0.01});
+  const PredictedStart measured_start = PredictStart(motion, start.map, GapRotation{measured, 0.01}, {});
   EXPECT_TRUE(measured_start.turn_is_measured);
   EXPECT_EQ(measured_start.turn_sigma, 0.01);
   const RigidTransform& by_images = measured_start.first_from_world;
   EXPECT_LT(RotationAngle(by_images.rotation.conjugate() * measured), 1e-9);
   const Eigen::Vector3d centre = by_images.inverse().translation;
   EXPECT_NEAR(std::atan2(centre.x(), centre.z()), 0.2, 0.1) << "the car turns mostly after the middle of the gap";
-  const PredictedStart by_rates_start = PredictStart(motion, start.map, std::nullopt);
+  const PredictedStart by_rates_start = PredictStart(motion, start.map, std::nullopt, {});
   EXPECT_FALSE(by_rates_start.turn_is_measured);
   EXPECT_GT(by_rates_start.turn_sigma, 0.1);
 
   motion.Stop();
-  EXPECT_LT(PredictStart(motion, start.map, std::nullopt).first_from_world.inverse().translation.z(), 0.21)
+  EXPECT_LT(PredictStart(motion, start.map, std::nullopt, {}).first_from_world.inverse().translation.z(), 0.21)
       << "a car that stood is where it was";
 }
 

@@ -45,6 +45,20 @@ void MotionModelOptions::Check() const {
   if (!(speed_sigma > 0)) throw InputError("speed_sigma: has to be positive");
   if (!(speed_sigma_per_second >= 0)) throw InputError("speed_sigma_per_second: must not be negative");
   if (!(acceleration_in_depths >= 0)) throw InputError("acceleration_in_depths: must not be negative");
+  if (!(gap_turn_on_straights > 0)) throw InputError("gap_turn_on_straights: has to be positive");
+  if (!(gap_turn_in_turns >= 0)) throw InputError("gap_turn_in_turns: must not be negative");
+  if (!(gap_turn_reach >= 0)) throw InputError("gap_turn_reach: must not be negative");
+  if (!(gap_turn_speed > 0)) throw InputError("gap_turn_speed: has to be positive");
+  if (!(gap_turn_most > 0)) throw InputError("gap_turn_most: has to be positive");
+  if (!(gap_turn_most_reach >= 0)) throw InputError("gap_turn_most_reach: must not be negative");
+}
+
+double GapTurnSigma(const MotionModelOptions& options, double seconds, double rate, std::optional<double> speed) {
+  const double squared = seconds * seconds;
+  const double usual = squared * std::hypot(options.gap_turn_on_straights, options.gap_turn_in_turns * rate);
+  const double slowness = options.gap_turn_speed / std::max(speed.value_or(0), options.gap_turn_speed);
+  const double reach = squared * options.gap_turn_reach * slowness * slowness;
+  return std::hypot(std::min(usual, options.gap_turn_most), std::min(reach, options.gap_turn_most_reach));
 }
 
 // Step by step of the length measured, so that a turn bends the path as it goes on.
@@ -102,6 +116,26 @@ double MotionModel::TurnReach(double time) const {
                : 0.0;
 }
 
+bool MotionModel::IsReachable(double time, const RigidTransform& camera_from_world, double depth) const {
+  // So many standard deviations of the speed: where it brakes as hard as it can.
+  constexpr double kMostSigmas = 4;
+  // Of the body, which pitches and rolls, rad.
+  constexpr double kSwing = 0.15;
+  if (!(speed() > 0)) return true;
+  const double seconds = time - last_measured_time_;
+  const double way = speed() * seconds;
+  const double acceleration =
+      std::max(options_.speed_sigma_per_second * speed(), options_.acceleration_in_depths * depth);
+  const double along = kMostSigmas * (options_.speed_sigma * way + 0.5 * acceleration * seconds * seconds);
+  const double reach = along + 0.5 * TurnReach(time) * way;
+  std::vector<RigidTransform> predictions = OtherPredictions(time);
+  predictions.push_back(Predict(time));
+  return std::ranges::any_of(predictions, [&](const RigidTransform& predicted) {
+    const RigidTransform off = camera_from_world * predicted.inverse();
+    return off.translation.norm() <= reach && RotationAngle(off.rotation) <= TurnReach(time) + kSwing;
+  });
+}
+
 RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {
   if (!step_) return camera_from_world_;
   const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - last_measured_time_);
@@ -139,6 +173,11 @@ RigidTransform MotionModel::PredictAcross(double time, double rate, std::optiona
     travelled = travelling;
   }
   return pose;
+}
+
+double MotionModel::TurnSigmaAcross(double time, double rate, std::optional<double> metres_per_unit) const {
+  const auto metric = metres_per_unit ? std::optional(*metres_per_unit * speed()) : std::nullopt;
+  return GapTurnSigma(options_, time - last_measured_time_, std::max(std::abs(rate), std::abs(turning_rate())), metric);
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world, bool after_repeats) {

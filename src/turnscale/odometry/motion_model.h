@@ -32,10 +32,29 @@ struct MotionModelOptions {
   /// The same for a slow car, whose acceleration is large beside its speed: standard deviation of the acceleration as a
   /// share of the depth of the nearest quarter of the scene, 1/s^2. 1.2 m/s^2 where that is 12 m away.
   double acceleration_in_depths = 0.1;
+  /// Standard deviation of the angle by which a car turns in a gap beyond PredictAcross, over the time squared: on
+  /// straights, rad/s^2, and in turns, of the larger turning rate on its sides, 1/s^2. For 0.5 to 30 s.
+  double gap_turn_on_straights = 0.01;
+  double gap_turn_in_turns = 0.11;
+  /// Half of what it turns beyond that at most, over the time squared, rad/s^2, for 1 to 4 s. A gap in which the images
+  /// show no rotation is mostly one in which the car has turned out of what it saw: most turns are far above the usual
+  /// ones of all gaps (docs/gaps.md).
+  double gap_turn_reach = 0.1;
+  /// Up to this speed, m/s; above, it falls with the speed squared. Where the speed is not known, it may be as low.
+  double gap_turn_speed = 8;
+  /// Bound of the first two together and of the third, rad: any direction, and a right angle that was or was not
+  /// turned.
+  double gap_turn_most = 1.8;
+  double gap_turn_most_reach = 0.8;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
+
+/// Standard deviation of the angle by which a car turns in so many seconds that the images do not show, if it is
+/// predicted by the turning rates before and after (MotionModel::PredictAcross), rad; the larger one is `rate`, rad/s.
+/// `speed`: before them, m/s, if it is known. From KITTI's ground truth (docs/gaps.md).
+double GapTurnSigma(const MotionModelOptions& options, double seconds, double rate, std::optional<double> speed);
 
 /// A speed that was measured once.
 struct PastSpeed {
@@ -64,6 +83,10 @@ class MotionModel {
   /// How far a turn may be from the expected one until `time`, radians.
   double TurnReach(double time) const;
 
+  /// Whether a car can be at this pose at `time`: it is near one of the predictions, for the accelerations and turns of
+  /// cars. `depth`: as for SpeedSigma. True while no speed is known.
+  bool IsReachable(double time, const RigidTransform& camera_from_world, double depth) const;
+
   /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
   RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
 
@@ -72,6 +95,10 @@ class MotionModel {
   /// in all, radians, if it is known. If it is smaller, the rates last for less time; what is more is spread evenly.
   /// The speed is the last one.
   RigidTransform PredictAcross(double time, double rate, std::optional<double> turn) const;
+
+  /// Standard deviation of the angle about vertical() by which PredictAcross is off where `turn` is not known, rad.
+  /// `metres_per_unit`: of the speed before the gap, if it is known.
+  double TurnSigmaAcross(double time, double rate, std::optional<double> metres_per_unit) const;
 
   /// The car's vertical as SetVertical has it.
   const Eigen::Vector3d& vertical() const { return vertical_; }

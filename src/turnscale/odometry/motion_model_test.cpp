@@ -331,6 +331,50 @@ TEST(MotionModel, TheSpeedIsAMeanOverShortSteps) {
   EXPECT_NEAR(motion.speed(), (3 + 1 + 3 + 1 + 3) / 0.2, 1e-9);
 }
 
+TEST(GapTurnSigma, GrowsWithTheSquareOfTheTimeAndInTurnsUpToABound) {
+  const auto sigma = [](double seconds, double rate) { return GapTurnSigma({}, seconds, rate, {}); };
+  EXPECT_NEAR(sigma(2, 0.2) / sigma(1, 0.2), 4, 1e-12);
+  EXPECT_GT(sigma(2, 0.2), sigma(2, 0));
+  EXPECT_EQ(sigma(100, 0.5), sigma(200, 0.1));
+}
+
+TEST(GapTurnSigma, ASlowCarMayTurnACornerInAGap) {
+  const auto degrees = [](double seconds, std::optional<double> speed) {
+    return InDegrees(GapTurnSigma({}, seconds, 0, speed));
+  };
+  EXPECT_LT(degrees(1, 5), 6);
+  EXPECT_GT(2 * degrees(2, 5), 40);
+  EXPECT_GT(2 * degrees(3, 5), 90);
+  EXPECT_EQ(degrees(2, {}), degrees(2, 5)) << "a car of unknown speed may be slow";
+  EXPECT_LT(degrees(3, 30), 7) << "no car turns a corner on a motorway";
+}
+
+TEST(MotionModel, TheSpeedBeforeAGapTellsHowFarTheCarMayTurnInIt) {
+  MotionModel motion;
+  motion.Update(0, RigidTransform{});
+  motion.Update(0.2, {Eigen::Quaterniond::Identity(), {0, 0, -1}});
+  EXPECT_EQ(motion.TurnSigmaAcross(2.2, 0.1, 4), GapTurnSigma({}, 2, 0.1, 20));
+  EXPECT_EQ(motion.TurnSigmaAcross(2.2, -0.1, {}), GapTurnSigma({}, 2, 0.1, {}));
+}
+
+TEST(MotionModel, ACarIsNotThrownBack) {
+  constexpr double kDepth = 12;
+  MotionModel motion;
+  const auto at = [](double z, double turn = 0) {
+    return RigidTransform{RotationFromVector({0, turn, 0}), Eigen::Vector3d(0, 0, -z)};
+  };
+  motion.Update(0, at(0));
+  EXPECT_TRUE(motion.IsReachable(0.75, at(-5), kDepth)) << "no speed is known";
+  motion.Update(0.25, at(2.5));  // 10 m/s
+  const auto is_reachable = [&](const RigidTransform& pose) { return motion.IsReachable(0.75, pose, kDepth); };
+  EXPECT_TRUE(is_reachable(at(7.5)));
+  EXPECT_TRUE(is_reachable(at(6.5))) << "it brakes";
+  EXPECT_TRUE(is_reachable(at(7.5, 0.2))) << "it turns";
+  EXPECT_FALSE(is_reachable(at(-3)));
+  EXPECT_FALSE(is_reachable(at(14)));
+  EXPECT_FALSE(is_reachable(at(7.5, 1)));
+}
+
 TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   using Options = MotionModelOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
@@ -342,6 +386,12 @@ TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma = 0; }), "speed_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma_per_second = -1; }), "speed_sigma_per_second");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.acceleration_in_depths = -1; }), "acceleration_in_depths");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_on_straights = 0; }), "gap_turn_on_straights");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_in_turns = -1; }), "gap_turn_in_turns");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_reach = -1; }), "gap_turn_reach");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_speed = 0; }), "gap_turn_speed");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_most = 0; }), "gap_turn_most");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_most_reach = -1; }), "gap_turn_most_reach");
 }
 
 }  // namespace

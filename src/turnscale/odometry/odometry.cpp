@@ -175,20 +175,27 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
-void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
-  const bool continues = !map_.keyframes.empty();
+StartPlace Odometry::PlaceAfterGap(const InitialMap& start) const {
+  const GapImages images = {.before = tracker_.latest_gray(),
+                            .lost = loss_.first_lost(),
+                            .after = start.first_image,
+                            .car_stood = tracker_.HasStood() && BeginsAtStandstill(options_.static_regions, start)};
+  const auto rotation =
+      MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current());
+  const bool is_metric = scale_.state() != ScaleState::kPending;
+  const auto metres_per_unit = is_metric ? std::optional(scale_.live_path().metres_per_unit.back()) : std::nullopt;
   StartPlace place;
-  place.after_gap = continues;
-  if (continues) {
-    const GapImages images = {tracker_.latest_gray(), loss_.first_lost(), start.first_image};
-    place.predicted =
-        PredictStart(motion_, start,
-                     MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current()));
-    if (!images.lost.empty())
-      place.contrast =
-          ContrastOf(images.lost, mask_.pixels()) / std::max(ContrastOf(images.before, mask_.pixels()), kLeastContrast);
-    place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
-  }
+  place.after_gap = true;
+  place.predicted = PredictStart(motion_, start, rotation, metres_per_unit);
+  if (!images.lost.empty())
+    place.contrast =
+        ContrastOf(images.lost, mask_.pixels()) / std::max(ContrastOf(images.before, mask_.pixels()), kLeastContrast);
+  place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
+  return place;
+}
+
+void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
+  const StartPlace place = map_.keyframes.empty() ? StartPlace{} : PlaceAfterGap(start);
   const AddedStart added = AddStart(start, place, map_);
   tracker_.Start(image, added.tracks, start.CountPoints());
   mask_.LeaveOut(start.motion);

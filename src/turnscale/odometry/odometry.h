@@ -18,6 +18,7 @@
 #include "turnscale/odometry/frame_tracker.h"
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/map_initializer.h"
+#include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/map_upkeep.h"
 #include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/motion_model.h"
@@ -112,6 +113,8 @@ class Odometry {
   /// Numbers the next frame, which has no pose yet.
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
+  /// Where the map goes on after a gap.
+  StartPlace PlaceAfterGap(const InitialMap& start) const;
   void StartMap(const FlowImage& image, const InitialMap& start);
   TrackedFrame Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   /// Takes the motion of a frame that was tracked, before motion_ does: it may show that the camera jumped on the car.

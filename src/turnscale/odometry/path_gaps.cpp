@@ -68,13 +68,6 @@ double GapLengthSigma(double seconds, bool both_ends) {
   return seconds * std::min((both_ends ? kInterpolated : kExtrapolated) * seconds, kMostSpeedSigma);
 }
 
-double GapTurnSigma(double seconds, double rate) {
-  constexpr double kOnStraights = 0.01;  // rad/s^2
-  constexpr double kInTurns = 0.11;      // of the rate, 1/s^2
-  constexpr double kMost = 1.8;          // rad: any direction
-  return std::min(seconds * seconds * std::hypot(kOnStraights, kInTurns * rate), kMost);
-}
-
 void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined) {
   MetricPath& path = refined.path;
   double variance = ends.empty() ? 0 : std::pow(GapLengthSigma(end_time - ends.back().time, false), 2);

@@ -14,11 +14,6 @@ namespace turnscale {
 /// time squared, at most 10 m/s times the time, from KITTI's ground truth for 0.5 to 10 s (22,000 frames).
 double GapLengthSigma(double seconds, bool both_ends);
 
-/// Standard deviation of the angle by which a car turns in so many seconds that are not measured, if it is predicted by
-/// the turning rates before and after (MotionModel::PredictAcross); the larger one is `rate`, rad/s. From KITTI's
-/// ground truth for 0.5 to 30 s (docs/gaps.md).
-double GapTurnSigma(double seconds, double rate);
-
 /// The map predicts the motion across a loss of tracking from the speed before it. Makes its length the mean of that
 /// and of the length at the speed after it, now that this is known; the side whose scale is known better counts for
 /// more.

@@ -131,11 +131,5 @@ TEST(GapLengthSigma, GrowsWithTheSquareOfTheTimeUpToABoundOfTheSpeed) {
   EXPECT_NEAR(GapLengthSigma(600, true) / GapLengthSigma(300, true), 2, 1e-12);
 }
 
-TEST(GapTurnSigma, GrowsWithTheSquareOfTheTimeAndInTurnsUpToABound) {
-  EXPECT_NEAR(GapTurnSigma(2, 0.2) / GapTurnSigma(1, 0.2), 4, 1e-12);
-  EXPECT_GT(GapTurnSigma(2, 0.2), GapTurnSigma(2, 0));
-  EXPECT_EQ(GapTurnSigma(100, 0.5), GapTurnSigma(200, 0.1));
-}
-
 }  // namespace
 }  // namespace turnscale

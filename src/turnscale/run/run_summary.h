@@ -50,7 +50,7 @@ std::string SideSlipText(const CarRefinement& car, double assumed, double assume
 
 /// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
 /// they differ, as those of pixels that are not square do, and their ratio, with its sigma where it is estimated.
-std::string FocalLengthText(const FoundCamera& found);
+std::string FocalLengthText(const CameraModel& camera);
 
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);

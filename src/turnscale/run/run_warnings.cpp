@@ -244,7 +244,7 @@ std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double f
                                 : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));
   return fmt::format(
       "the direction of travel after {} {}, as it could not be measured in the images: the path that follows may be "
-      "rotated",
+      "rotated, as where the car turned a corner in the gap",
       where, known);
 }
 

@@ -225,6 +225,7 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("the gap before 12.5 s is only known to about +-20 deg"), std::string::npos)
       << warnings[0];
+  EXPECT_TRUE(warnings[0].ends_with("as where the car turned a corner in the gap")) << warnings[0];
   drive.restarts[1].turn_sigma = 0.1;
   EXPECT_TRUE(SummaryOf(drive, frames, {}).warnings.empty());
 }

@@ -294,6 +294,12 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("speed_sigma", o.speed_sigma);
     visitor.Field("speed_sigma_per_second", o.speed_sigma_per_second);
     visitor.Field("acceleration_in_depths", o.acceleration_in_depths);
+    visitor.Field("gap_turn_on_straights", o.gap_turn_on_straights);
+    visitor.Field("gap_turn_in_turns", o.gap_turn_in_turns);
+    visitor.Field("gap_turn_reach", o.gap_turn_reach);
+    visitor.Field("gap_turn_speed", o.gap_turn_speed);
+    visitor.Field("gap_turn_most", o.gap_turn_most);
+    visitor.Field("gap_turn_most_reach", o.gap_turn_most_reach);
   });
   visitor.Group("gap_rotation", [&] {
     auto& o = options.gap_rotation;
@@ -302,6 +308,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("max_width", o.keypoints.max_width);
     visitor.Field("max_distance_ratio", o.keypoints.max_distance_ratio);
     visitor.Field("max_epipolar_error", o.max_epipolar_error);
+    visitor.Field("max_still_motion", o.max_still_motion);
     visitor.Field("min_matches", o.min_matches);
     visitor.Field("min_match_share", o.min_match_share);
     visitor.Field("min_still_share", o.min_still_share);
