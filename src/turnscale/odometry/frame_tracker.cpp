@@ -38,7 +38,6 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   sampled_.reset();
   stands_since_.reset();
   has_stood_ = false;
-  is_lost_ = false;
   landmarks_in_keyframe_ = landmarks;
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
@@ -76,10 +75,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const cv::Mat& mask, FlowImage&
   TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()),
                      .inliers = tracked.estimate.inliers,
                      .is_sampled = tracked.is_sampled};
-  const bool was_lost = std::exchange(is_lost_, true);
-  const RigidTransform& pose = tracked.estimate.camera_from_world;
-  if (!IsBelievable(limits, tracked.estimate) || (was_lost && !IsReachable(map, motion, pose, time))) return frame;
-  is_lost_ = false;
+  if (!IsBelievable(limits, tracked.estimate)) return frame;
   frame.camera_from_world = tracked.estimate.camera_from_world;
   if (tracked.is_sampled) {
     sampled_ = {image.gray, std::move(tracked.tracks.found), last_from_world};
@@ -97,17 +93,6 @@ TrackedFrame FrameTracker::Track(const Map& map, const cv::Mat& mask, FlowImage&
   last_image_time_ = time;
   NoticeStanding(map, tracked.estimate.inliers, time);
   return frame;
-}
-
-bool FrameTracker::IsReachable(const Map& map, const MotionModel& motion, const RigidTransform& camera_from_world,
-                               double time) const {
-  constexpr double kNearQuarter = 0.25;
-  std::vector<double> depths;
-  for (const FeatureTrack& track : tracks_) {
-    const Landmark& landmark = map.landmarks[track.landmark];
-    if (landmark.valid) depths.push_back((motion.last() * landmark.position).z());
-  }
-  return depths.empty() || motion.IsReachable(time, camera_from_world, Quantile(std::move(depths), kNearQuarter));
 }
 
 bool FrameTracker::FollowsGap(double time) const {

@@ -45,9 +45,8 @@ class FrameTracker {
   bool ShowsSamePixels(const FlowImage& image) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
-  /// motion model's others. After an image that was not tracked, it has to be one that the car can have reached: few
-  /// landmarks may then agree on a wrong one. Builds the image's pyramid unless a sample of the landmarks is enough.
-  /// `mask`: as ImageMask::pixels.
+  /// motion model's others. Builds the image's pyramid unless a sample of the landmarks is enough. `mask`: as
+  /// ImageMask::pixels.
   TrackedFrame Track(const Map& map, const cv::Mat& mask, FlowImage& image, const MotionModel& motion,
                      const RigidTransform& predicted, double time);
 
@@ -98,9 +97,6 @@ class FrameTracker {
 
   // Whose landmarks are those of the map.
   std::vector<std::vector<FeatureTrack>*> AllTracks();
-  // Whether the car can have come to this pose.
-  bool IsReachable(const Map& map, const MotionModel& motion, const RigidTransform& camera_from_world,
-                   double time) const;
   // Whether images are missing, or were not tracked, for much longer than usual before this time.
   bool FollowsGap(double time) const;
   // Ends the tracks that optical flow alone has followed: across a gap, only the epipolar line of each confirms them,
@@ -122,7 +118,6 @@ class FrameTracker {
   std::optional<SampledImage> sampled_;    ///< the latest image, if only a sample was tracked
   std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
   bool has_stood_ = false;                 ///< for a second at least, up to that image
-  bool is_lost_ = false;                   ///< in the latest image
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   int features_in_keyframe_ = 0;           ///< with or without a depth
 };

@@ -188,19 +188,6 @@ TEST_F(FrameTracking, WhatShowsNothingKnownLeavesTheTracks) {
   EXPECT_TRUE(Track(Seen(5), 3).camera_from_world) << "the next image is tracked from the last good one";
 }
 
-TEST_F(FrameTracking, AfterALossTheCarIsWhereItCanHaveDriven) {
-  const auto track = [&](double pixels, double time) {
-    const TrackedFrame frame = Track(Seen(pixels), Moved(pixels), time);
-    if (frame.camera_from_world) motion_.Update(time, *frame.camera_from_world);
-    return frame.camera_from_world.has_value();
-  };
-  ASSERT_TRUE(track(8, kInterval));
-  EXPECT_FALSE(Track(Noise(), Moved(16), 2 * kInterval).camera_from_world);
-  EXPECT_FALSE(track(-24, 3 * kInterval)) << "thrown back";
-  EXPECT_TRUE(track(30, 4 * kInterval));
-  EXPECT_TRUE(track(20, 5 * kInterval)) << "whatever happens while nothing is lost";
-}
-
 TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
   EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(0), Moved(5), {kInterval, kInterval}));
   EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(5), Moved(5), {kInterval, kInterval}));

@@ -116,26 +116,6 @@ double MotionModel::TurnReach(double time) const {
                : 0.0;
 }
 
-bool MotionModel::IsReachable(double time, const RigidTransform& camera_from_world, double depth) const {
-  // So many standard deviations of the speed: where it brakes as hard as it can.
-  constexpr double kMostSigmas = 4;
-  // Of the body, which pitches and rolls, rad.
-  constexpr double kSwing = 0.15;
-  if (!(speed() > 0)) return true;
-  const double seconds = time - last_measured_time_;
-  const double way = speed() * seconds;
-  const double acceleration =
-      std::max(options_.speed_sigma_per_second * speed(), options_.acceleration_in_depths * depth);
-  const double along = kMostSigmas * (options_.speed_sigma * way + 0.5 * acceleration * seconds * seconds);
-  const double reach = along + 0.5 * TurnReach(time) * way;
-  std::vector<RigidTransform> predictions = OtherPredictions(time);
-  predictions.push_back(Predict(time));
-  return std::ranges::any_of(predictions, [&](const RigidTransform& predicted) {
-    const RigidTransform off = camera_from_world * predicted.inverse();
-    return off.translation.norm() <= reach && RotationAngle(off.rotation) <= TurnReach(time) + kSwing;
-  });
-}
-
 RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {
   if (!step_) return camera_from_world_;
   const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - last_measured_time_);

@@ -83,10 +83,6 @@ class MotionModel {
   /// How far a turn may be from the expected one until `time`, radians.
   double TurnReach(double time) const;
 
-  /// Whether a car can be at this pose at `time`: it is near one of the predictions, for the accelerations and turns of
-  /// cars. `depth`: as for SpeedSigma. True while no speed is known.
-  bool IsReachable(double time, const RigidTransform& camera_from_world, double depth) const;
-
   /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
   RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
 

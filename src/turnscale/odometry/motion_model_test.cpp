@@ -357,24 +357,6 @@ TEST(MotionModel, TheSpeedBeforeAGapTellsHowFarTheCarMayTurnInIt) {
   EXPECT_EQ(motion.TurnSigmaAcross(2.2, -0.1, {}), GapTurnSigma({}, 2, 0.1, {}));
 }
 
-TEST(MotionModel, ACarIsNotThrownBack) {
-  constexpr double kDepth = 12;
-  MotionModel motion;
-  const auto at = [](double z, double turn = 0) {
-    return RigidTransform{RotationFromVector({0, turn, 0}), Eigen::Vector3d(0, 0, -z)};
-  };
-  motion.Update(0, at(0));
-  EXPECT_TRUE(motion.IsReachable(0.75, at(-5), kDepth)) << "no speed is known";
-  motion.Update(0.25, at(2.5));  // 10 m/s
-  const auto is_reachable = [&](const RigidTransform& pose) { return motion.IsReachable(0.75, pose, kDepth); };
-  EXPECT_TRUE(is_reachable(at(7.5)));
-  EXPECT_TRUE(is_reachable(at(6.5))) << "it brakes";
-  EXPECT_TRUE(is_reachable(at(7.5, 0.2))) << "it turns";
-  EXPECT_FALSE(is_reachable(at(-3)));
-  EXPECT_FALSE(is_reachable(at(14)));
-  EXPECT_FALSE(is_reachable(at(7.5, 1)));
-}
-
 TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   using Options = MotionModelOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
