@@ -370,8 +370,8 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   DriveMotion motion;
   motion.input = arguments.Name();
   if (estimate.found)
-    motion.note =
-        fmt::format("intrinsics estimated from the drive: focal length {} pixels", FocalLengthText(estimate.found->camera));
+    motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
+                              FocalLengthText(estimate.found->camera));
   auto [frames, scale, blending] = recorder.Refined();
   constexpr auto kError = "the rotation and the lever arm may be wrong";
   const ImageFindings findings{.is_upside_down = odometry.is_upside_down(),
