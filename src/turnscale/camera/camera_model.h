@@ -45,8 +45,9 @@ struct CameraModel {
 
   ReadDirection read_direction = {};  ///< of the images, not from the camera file
 
-  /// Readout time of a rolling shutter from the top row to the bottom one, seconds; below 0 from the bottom to the top,
-  /// 0 of a global shutter. The time of an image is that of its middle row. Project and Undistort are of one instant.
+  /// Readout time of a rolling shutter from the first row of the image as it was stored to the last one, along
+  /// `read_direction`, seconds; below 0 if it begins with the last one, 0 of a global shutter. The time of an image is
+  /// that of its middle row. Project and Undistort are of one instant.
   double readout = 0;
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.

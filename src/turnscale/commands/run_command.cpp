@@ -202,6 +202,7 @@ Settings SettingsFrom(const CarArguments& car, const std::optional<fs::path>& fi
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
     options.vehicle.camera_height_sigma = height.sigma;
+    options.vehicle.height_from_images = false;
     options.vehicle.height_correlation = options.vehicle.height_slip_correlation = 0;
   }
   if (car.side_slip) {

@@ -60,6 +60,16 @@ TEST(CarArguments, AnExactValueOfTheFileCorrelatesWithNothing) {
   }
 }
 
+TEST(CarArguments, AHeightThatIsGivenWasMeasured) {
+  const ScratchFolder folder;
+  CarArguments car;
+  car.vehicle = folder.Path() / "car.yaml";
+  std::ofstream(*car.vehicle) << "height: 1.4\nheight_sigma: 0.014\nheight_slip_correlation: 0.1\n";
+  EXPECT_FALSE(SettingsFrom(car, {}).odometry.vehicle.has_measured_height());
+  car.camera_height = "1.42";
+  EXPECT_TRUE(SettingsFrom(car, {}).odometry.vehicle.has_measured_height());
+}
+
 TEST(Run, TheCalibrationThatIsNotUsedIsNamedBeforeTheCameraIsEstimated) {
   const ScratchFolder folder;
   const std::filesystem::path images = folder.Path() / "image_0";

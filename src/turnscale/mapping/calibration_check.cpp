@@ -260,12 +260,15 @@ CalibrationCheck::Entries CalibrationCheck::Held() const {
 }
 
 bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const {
-  const bool is_aspect = entry == IntrinsicsChange::kLogAspect;
-  if (is_aspect && options_.aspect_prior_sigma == 0) return false;
   const IntrinsicsEstimate estimate = EstimateHolding(held);
+  if (entry == IntrinsicsChange::kLogAspect && !MayHaveAspect(estimate)) return false;
   const double off = std::abs(estimate.change[entry] - expected_[entry]);
-  if (is_aspect && off > kMostAspect) return false;
   return off > least && off > options_.significance * std::sqrt(estimate.covariance(entry, entry));
+}
+
+bool CalibrationCheck::MayHaveAspect(const IntrinsicsEstimate& estimate) const {
+  constexpr int kEntry = IntrinsicsChange::kLogAspect;
+  return options_.aspect_prior_sigma > 0 && std::abs(estimate.change[kEntry] - expected_[kEntry]) <= kMostAspect;
 }
 
 IntrinsicsEstimate CalibrationCheck::Estimate() const { return EstimateHolding(Held()); }
@@ -353,12 +356,16 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
   Vector distortion = WeightsOfDistortion(given_);
   if (options_.higher_prior_sigma == 0)
     distortion[IntrinsicsChange::kCorrection4] = distortion[IntrinsicsChange::kCorrection6] = 0;
-  return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
-          {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
-          {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
-          {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
-           std::sqrt(distortion.dot(estimate.covariance * distortion))},
-          AspectOf(estimate.Holds(IntrinsicsChange::kLogAspect) ? EstimateHolding({}) : estimate)};
+  std::vector<ParameterEstimate> parameters = {
+      {IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
+      {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
+      {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
+      {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
+       std::sqrt(distortion.dot(estimate.covariance * distortion))}};
+  const bool holds_aspect = estimate.Holds(IntrinsicsChange::kLogAspect);
+  const IntrinsicsEstimate with_aspect = holds_aspect ? EstimateHolding({}) : estimate;
+  if (!holds_aspect || MayHaveAspect(with_aspect)) parameters.push_back(AspectOf(with_aspect));
+  return parameters;
 }
 
 bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {

@@ -106,7 +106,9 @@ enum class CalibrationVerdict { kNotContradicted, kInDoubt, kContradicted };
 struct IntrinsicsEstimate {
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   IntrinsicsChange::Matrix covariance = IntrinsicsChange::Matrix::Zero();
-  std::vector<IntrinsicsChange::Entry> held = {};  ///< left as expected; their covariance is that of the prior
+  /// Left as expected. Their covariance has nothing of the images: it is that of the prior, enlarged as that of the
+  /// others by the scatter of windows and errors of the model.
+  std::vector<IntrinsicsChange::Entry> held = {};
 
   bool Holds(IntrinsicsChange::Entry entry) const { return std::ranges::find(held, entry) != held.end(); }
 };
@@ -142,8 +144,9 @@ class CalibrationCheck {
   IntrinsicsEstimate Estimate() const;
   /// Empty if the images show none. `camera`: that of the windows.
   std::optional<ShutterReadout> Readout(const CameraModel& camera) const;
-  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `camera`: that
-  /// of the windows, with the radial correction that the map's pixels have now.
+  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. Without the
+  /// pixels' aspect where it is not estimated, or is none that occurs. `camera`: that of the windows, with the radial
+  /// correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Whether what was found is worth a report, and significant.
   bool Contradicts(const ParameterEstimate& estimate) const;
@@ -165,6 +168,8 @@ class CalibrationCheck {
   Entries Held() const;
   /// Whether an entry is off what is expected, by more than `least` and significantly.
   bool Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const;
+  /// Whether the pixels' aspect is estimated, and is one that occurs.
+  bool MayHaveAspect(const IntrinsicsEstimate& estimate) const;
   /// With these entries as expected.
   IntrinsicsEstimate EstimateHolding(const Entries& held) const;
   ParameterEstimate AspectOf(const IntrinsicsEstimate& estimate) const;

@@ -151,12 +151,39 @@ TEST(CalibrationCheck, ALevelTurnDoesNotShowThePixelsAspect) {
   EXPECT_TRUE(level.Estimate().Holds(IntrinsicsChange::kLogAspect));
 }
 
+bool HasAspect(const std::vector<ParameterEstimate>& parameters) {
+  return std::ranges::find(parameters, IntrinsicsParameter::kPixelAspect, &ParameterEstimate::parameter) !=
+         parameters.end();
+}
+
 TEST(CalibrationCheck, AnAspectCanBeLeftOut) {
   CalibrationCheckOptions options;
   options.aspect_prior_sigma = 0;
-  const IntrinsicsEstimate estimate = CheckAlong(SqueezedMap(0.75, 4), options).Estimate();
+  const CalibrationCheck check = CheckAlong(SqueezedMap(0.75, 4), options);
+  const IntrinsicsEstimate estimate = check.Estimate();
   EXPECT_TRUE(estimate.Holds(IntrinsicsChange::kLogAspect));
   EXPECT_EQ(estimate.change[IntrinsicsChange::kLogAspect], 0);
+  EXPECT_FALSE(HasAspect(check.Parameters(WithCorrection())));
+  EXPECT_FALSE(HasAspect(check.Contradictions(WithCorrection())));
+}
+
+TEST(CalibrationCheck, AnAspectThatDoesNotOccurIsNotReported) {
+  // So far from what is expected.
+  const auto check_of = [](double expected_aspect) {
+    CalibrationCheckOptions options;
+    options.aspect_prior_sigma = 10;
+    Vector expected = Vector::Zero();
+    expected[IntrinsicsChange::kLogAspect] = std::log(expected_aspect);
+    const Map map = SqueezedMap(0.75, 4);
+    CalibrationCheck check(options, map.camera.pinhole, expected);
+    for (int keyframes = 1; keyframes <= CountKeyframes(map); ++keyframes) check.Observe(MapUpTo(keyframes, map));
+    return check;
+  };
+  EXPECT_TRUE(HasAspect(check_of(1).Contradictions(WithCorrection())));
+  const CalibrationCheck far = check_of(4);
+  EXPECT_TRUE(far.Estimate().Holds(IntrinsicsChange::kLogAspect));
+  EXPECT_FALSE(HasAspect(far.Parameters(WithCorrection())));
+  EXPECT_FALSE(HasAspect(far.Contradictions(WithCorrection())));
 }
 
 // As in passes over a drive: what a pass has changed goes on only as long as the images ask for it.

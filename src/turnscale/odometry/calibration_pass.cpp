@@ -31,7 +31,9 @@ std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsCh
         return pinhole.Ray(corrected->pixel).head<2>();
       },
       radius, tangential);
-  if (changed) changed->read_direction = camera.read_direction;
+  if (!changed) return std::nullopt;
+  changed->read_direction = camera.read_direction;
+  changed->aspect_sigma = camera.aspect_sigma;
   return changed;
 }
 
@@ -98,6 +100,7 @@ std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, 
   found.camera = middle.value_or(*next);
   const auto sigma_of = [&](IntrinsicsChange::Entry entry) { return std::hypot(sigmas[entry], 0.5 * change[entry]); };
   found.camera.focal_sigma = sigma_of(IntrinsicsChange::kLogFocal) * found.camera.pinhole.fx;
+  // One that is held is that of the camera that the passes started with.
   if (!findings.estimate.Holds(IntrinsicsChange::kLogAspect))
     found.camera.aspect_sigma = sigma_of(IntrinsicsChange::kLogAspect);
   found.centre_sigma = sigma_of(IntrinsicsChange::kCentreX);

@@ -104,6 +104,18 @@ TEST(CalibrationPass, AnAspectThatGoesBackIsTriedBeforeItEnds) {
   EXPECT_EQ(result->found.camera.aspect_sigma, 0);
 }
 
+TEST(CalibrationPass, AnAspectThatIsHeldIsAsUncertainAsAtTheStart) {
+  CameraModel start = kCamera;
+  start.aspect_sigma = 0.03;
+  const auto held = CameraFrom({}, start, Changes(0.4), kStrictPasses);
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->found.camera.aspect_sigma, 0.03);
+  const auto found = CameraFrom({}, start, Changes(0, 0.4), kStrictPasses);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->found.camera.aspect_sigma, std::hypot(kAspectSigma, 0.2 * kAspectSigma), 1e-12);
+  EXPECT_EQ(found->next.aspect_sigma, 0.03) << "a later pass may go back to the start's";
+}
+
 TEST(CalibrationPass, TheImagesAreReadAsBefore) {
   CameraModel sideways = kCamera;
   sideways.read_direction = {-1, 0};

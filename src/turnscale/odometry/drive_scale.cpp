@@ -25,11 +25,12 @@ double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& b
 
 }  // namespace
 
-DriveScale::DriveScale(const OdometryOptions& options)
+DriveScale::DriveScale(const OdometryOptions& options, double aspect_sigma)
     : options_(options),
+      aspect_sigma_(aspect_sigma),
       mount_(options.vehicle),
       builder_(options.steps, true),
-      live_(PriorOf(options.vehicle, mount_.current()), options.scale.estimator),
+      live_(PriorOf(options.vehicle, mount_.current(), aspect_sigma), options.scale.estimator),
       live_path_(options.local_bundle.window + options.local_bundle.anchors) {}
 
 bool DriveScale::Add(const Map& map) {
@@ -109,7 +110,7 @@ int DriveScale::Restart() {
     checkpoint_.reset();
   }
   builder_ = StepBuilder(options_.steps, true);
-  live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
+  live_ = LiveScale(PriorOf(options_.vehicle, mount_.current(), aspect_sigma_), options_.scale.estimator);
   return 0;
 }
 

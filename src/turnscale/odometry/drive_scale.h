@@ -29,7 +29,8 @@ namespace turnscale {
 /// (EstimateScale). Both pass over a keyframe whose pose is not finite, which stays where the one before it is.
 class DriveScale {
  public:
-  explicit DriveScale(const OdometryOptions& options);
+  /// `aspect_sigma`: of the pixels, relative (CameraModel).
+  explicit DriveScale(const OdometryOptions& options, double aspect_sigma = 0);
 
   /// Takes the height measured at the latest keyframe, before Add.
   void AddHeight(const MeasuredHeight& height) {
@@ -80,6 +81,7 @@ class DriveScale {
   int Restart();
 
   OdometryOptions options_;
+  double aspect_sigma_ = 0;
   MountCalibration mount_;
   std::vector<MeasuredHeight> heights_;  ///< above the road
   StepBuilder builder_;

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/drive_steps.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "turnscale/geometry/rigid_transform.h"
 
@@ -21,6 +22,15 @@ void SetUnitVariance(const Map& map, const DriftOptions& drift, VehicleStep& ste
   step.unit_variance = std::min(drift.unit_inflation * drift.unit_inflation * variance, kMostVariance);
 }
 
+// Of the height as the images show it, instead of as measured. The covariances stay.
+void WidenHeight(double aspect_sigma, CarPrior& car) {
+  if (aspect_sigma == 0) return;
+  const double before = car.camera_height_sigma;
+  car.camera_height_sigma = std::hypot(before, aspect_sigma * car.camera_height);
+  car.height_correlation *= before / car.camera_height_sigma;
+  car.height_slip_correlation *= before / car.camera_height_sigma;
+}
+
 }  // namespace
 
 bool HasMetres(const VehicleOptions& vehicle) { return vehicle.lever_arm || vehicle.camera_height; }
@@ -32,7 +42,7 @@ double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kYawSigmaByEye);
 }
 
-CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
+CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount, double aspect_sigma) {
   CarPrior car;
   car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : kAnyLeverArm);
   car.lever_arm_sigma = vehicle.lever_arm ? vehicle.LeverArmSigma() : TapeSigma(car.lever_arm);
@@ -42,6 +52,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
     car.height_correlation = vehicle.height_correlation;
     car.height_slip_correlation = vehicle.height_slip_correlation;
   }
+  if (vehicle.has_measured_height()) WidenHeight(aspect_sigma, car);
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
   if (vehicle.lever_arm) car.lever_arm_slip_correlation = vehicle.lever_arm_slip_correlation;

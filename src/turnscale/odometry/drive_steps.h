@@ -22,8 +22,9 @@ bool HasMetres(const VehicleOptions& vehicle);
 /// Standard deviation of the yaw of the camera-to-vehicle rotation, rad, as given or found.
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount);
 
-/// The car's constants before the drive. Without a length in metres the lever arm is 1: turns are found with any.
-CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount);
+/// The car's constants before the drive. Without a length in metres the lever arm is 1: turns are found with any. The
+/// height is the one that the images show: of one that was measured, they may be off by `aspect_sigma` (CameraModel).
+CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount, double aspect_sigma);
 
 /// Centre of a keyframe's camera, or of that of the last one before it that is finite.
 Eigen::Vector3d KnownCentre(const Map& map, int keyframe);

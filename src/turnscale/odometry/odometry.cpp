@@ -52,7 +52,6 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
   // Intrinsics estimated from a drive are not exact.
   if (camera.focal_sigma > 0) options.lens.accurate_share = 0;
-  WidenHeight(camera.aspect_sigma, options.vehicle);
   return options;
 }
 
@@ -68,7 +67,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       upkeep_(options_),
       camera_refinement_(options_, camera),
       road_(options_.road),
-      scale_(options_) {
+      scale_(options_, camera.aspect_sigma) {
   map_.camera = camera;
   map_.landmarks.reserve(kUsualLandmarks);
 }

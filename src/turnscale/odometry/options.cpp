@@ -98,15 +98,6 @@ void OdometryOptions::Check() const {
   scale.Check();
 }
 
-void WidenHeight(double aspect_sigma, VehicleOptions& vehicle) {
-  if (aspect_sigma == 0 || !vehicle.camera_height) return;
-  const double before = vehicle.HeightSigma();
-  const double sigma = std::hypot(before, aspect_sigma * *vehicle.camera_height);
-  vehicle.camera_height_sigma = sigma;
-  vehicle.height_correlation *= before / sigma;
-  vehicle.height_slip_correlation *= before / sigma;
-}
-
 OdometryOptions WithoutMetres(OdometryOptions options) {
   options.vehicle.lever_arm.reset();
   options.vehicle.camera_height.reset();

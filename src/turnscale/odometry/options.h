@@ -54,9 +54,11 @@ struct VehicleOptions {
   /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given
-  double height_correlation = 0;              ///< of the errors of camera height and lever arm
-  double height_slip_correlation = 0;         ///< of the errors of camera height and c
-  double lever_arm_slip_correlation = 0;      ///< of the errors of lever arm and c
+  /// The height is as the images of this camera show it, not measured: it has the error of the pixels' aspect.
+  bool height_from_images = false;
+  double height_correlation = 0;          ///< of the errors of camera height and lever arm
+  double height_slip_correlation = 0;     ///< of the errors of camera height and c
+  double lever_arm_slip_correlation = 0;  ///< of the errors of lever arm and c
   double roll_height = kUsualRollHeight;  ///< height of the camera above the axis about which the body rolls, metres
                                           ///< (`calibrate` assumes the default)
   double roll_height_sigma = kUsualRollHeightSigma;  ///< its standard deviation, metres
@@ -69,6 +71,9 @@ struct VehicleOptions {
 
   /// Standard deviation of the height, metres. 0 without one.
   double HeightSigma() const { return camera_height_sigma.value_or(kGivenHeightSigma * camera_height.value_or(0)); }
+
+  /// Whether a height is given that was measured, not found in the images.
+  bool has_measured_height() const { return camera_height && !height_from_images; }
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -174,10 +179,6 @@ struct OdometryOptions {
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
-
-/// Adds the relative standard deviation of the pixels' aspect to that of a given height above the road: in the images,
-/// a height is off by as much.
-void WidenHeight(double aspect_sigma, VehicleOptions& vehicle);
 
 /// The same without what gives the trajectory metres (lever arm and camera height): it is up to scale.
 OdometryOptions WithoutMetres(OdometryOptions options);

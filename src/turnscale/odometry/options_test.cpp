@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
 namespace {
@@ -31,21 +32,15 @@ TEST(OdometryOptions, WithoutMetresNothingOfTheCarGivesTheScale) {
   EXPECT_NO_THROW(free.Check());
 }
 
-TEST(OdometryOptions, AnAspectThatIsUncertainMakesAHeightSo) {
-  VehicleOptions vehicle;
-  WidenHeight(0.03, vehicle);
-  EXPECT_FALSE(vehicle.camera_height_sigma) << "no height is given";
-  vehicle.camera_height = 1.5;
-  vehicle.height_correlation = 0.8;
-  vehicle.height_slip_correlation = -0.4;
-  WidenHeight(0, vehicle);
-  EXPECT_FALSE(vehicle.camera_height_sigma) << "the aspect is given";
-  const double before = vehicle.HeightSigma();
-  WidenHeight(0.03, vehicle);
-  const double after = vehicle.HeightSigma();
-  EXPECT_NEAR(after, std::hypot(before, 0.045), 1e-12);
-  EXPECT_NEAR(vehicle.height_correlation * after, 0.8 * before, 1e-12) << "the covariances stay";
-  EXPECT_NEAR(vehicle.height_slip_correlation * after, -0.4 * before, 1e-12);
+TEST(OdometryOptions, AreThoseGivenWhateverTheCamera) {
+  OdometryOptions options;
+  options.vehicle.camera_height = 1.5;
+  options.vehicle.height_correlation = 0.8;
+  CameraModel camera{.pinhole = {300, 300, 160, 120}};
+  camera.aspect_sigma = 0.03;
+  const Odometry odometry(options, camera);
+  EXPECT_FALSE(odometry.options().vehicle.camera_height_sigma) << "a run with these settings is the same again";
+  EXPECT_EQ(odometry.options().vehicle.height_correlation, 0.8);
 }
 
 TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {

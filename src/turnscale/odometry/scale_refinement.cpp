@@ -48,7 +48,8 @@ RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const st
   StabilisationOptions& stabilisation = estimator.stabilisation;
   stabilisation.enabled = stabilisation.enabled && calibration != CalibrationVerdict::kContradicted;
   stabilisation.adopts_lag = stabilisation.adopts_lag && calibration == CalibrationVerdict::kNotContradicted;
-  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options.vehicle, mount.current()), estimator);
+  const CarPrior car = PriorOf(options.vehicle, mount.current(), map.camera.aspect_sigma);
+  ScaleEstimateResult result = EstimateScale(steps, car, estimator);
   if (!HasMetres(options.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };
   for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.detected_turns) {

@@ -19,7 +19,7 @@ RunSummary SummaryOf(DriveFacts drive, const std::vector<FrameResult>& frames, c
   summary.frames.total = std::max(summary.frames.total, known.processed);
   summary.path = PathSummaryOf(frames, known.repeated, known.seen, known.vehicle.lever_arm.value_or(0.0));
   summary.scale = ScaleSummaryOf(known, frames, scale, summary.path);
-  summary.car = CarSummaryOf(scale, known.camera_angles().yaw);
+  summary.car = CarSummaryOf(known, scale);
   summary.warnings = RunWarnings(summary, frames, scale);
   return summary;
 }

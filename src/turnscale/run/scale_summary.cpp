@@ -89,17 +89,18 @@ std::string UpToScaleText(const std::string& pending_reason) {
   return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
 }
 
-CarSummary CarSummaryOf(const RefinedScale& scale, double yaw) {
+CarSummary CarSummaryOf(const DriveFacts& drive, const RefinedScale& scale) {
   CarSummary summary;
   if (!scale.estimate) return summary;
   const ScaleEstimate& estimate = *scale.estimate;
   if (!estimate.uses_single_turns) {
     summary.refined = estimate.car;
-    summary.refined->camera_height_sigma =
-        HeightSigma(estimate, std::hypot(scale.calibration_sigma, scale.aspect_sigma));
+    // The prior of a height that was measured has the sigma of the aspect.
+    const double aspect_sigma = drive.vehicle.has_measured_height() ? 0 : scale.aspect_sigma;
+    summary.refined->camera_height_sigma = HeightSigma(estimate, std::hypot(scale.calibration_sigma, aspect_sigma));
   }
   if (estimate.has_reliable_car()) summary.evidence = estimate.car_evidence;
-  if (estimate.yaw_conflict) summary.contradicting_yaw = yaw + estimate.car.yaw_error;
+  if (estimate.yaw_conflict) summary.contradicting_yaw = drive.camera_angles().yaw + estimate.car.yaw_error;
   return summary;
 }
 

@@ -59,8 +59,7 @@ struct CarSummary {
   std::optional<double> contradicting_yaw;
 };
 
-/// `yaw`: of the camera, with which the estimate of the scale began, rad.
-CarSummary CarSummaryOf(const RefinedScale& scale, double yaw);
+CarSummary CarSummaryOf(const DriveFacts& drive, const RefinedScale& scale);
 
 /// Standard deviation of the camera's height, metres, with what the sigma of the scale has for contradictions and the
 /// calibration: the height is off by what the scale is off by. `calibration_sigma`: RefinedScale's.

@@ -104,13 +104,18 @@ TEST(CarSummary, TheHeightIsAsUncertainAsTheScale) {
   scale.estimate.emplace();
   scale.estimate->car.camera_height = 1.5;
   scale.estimate->car.camera_height_sigma = 0.03;
-  const auto sigma = [&] { return CarSummaryOf(scale, 0).refined->camera_height_sigma; };
+  DriveFacts drive;
+  const auto sigma = [&] { return CarSummaryOf(drive, scale).refined->camera_height_sigma; };
   EXPECT_EQ(sigma(), 0.03);
   scale.calibration_sigma = 0.2;
   EXPECT_NEAR(sigma(), std::hypot(0.03, 0.3), 1e-12) << "a wrong calibration";
   scale.calibration_sigma = 0;
   scale.aspect_sigma = 0.02;
   EXPECT_NEAR(sigma(), std::hypot(0.03, 0.03), 1e-12) << "of the pixels' aspect";
+  drive.vehicle.camera_height = 1.5;
+  EXPECT_EQ(sigma(), 0.03) << "which the prior of a measured height has";
+  drive.vehicle.height_from_images = true;
+  EXPECT_NEAR(sigma(), std::hypot(0.03, 0.03), 1e-12) << "unlike that of one that an earlier drive has found";
   scale.aspect_sigma = 0;
   scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 1.26, 0.02, false};
   EXPECT_NEAR(sigma(), std::hypot(0.03, 1.5 * 0.5 * std::log(1.4 / 1.26)), 1e-12) << "between two lengths";
@@ -127,7 +132,7 @@ TEST(CarSummary, HasWhatTheDriveTellsOfTheCar) {
   scale.estimate->car_evidence.posterior.mean[1] = 0.005;
   scale.estimate->car_evidence.posterior.covariance(1, 3) = -0.25;
   RunSummary summary;
-  summary.car = CarSummaryOf(scale, 0);
+  summary.car = CarSummaryOf({}, scale);
   const auto told = nlohmann::json::parse(SummaryJson(summary))["car_evidence"];
   EXPECT_EQ(told["unknowns"][1], "side_slip_s2_per_m");
   EXPECT_EQ(told["posterior"]["mean"][1], 0.005);
@@ -135,7 +140,7 @@ TEST(CarSummary, HasWhatTheDriveTellsOfTheCar) {
   EXPECT_EQ(told["prior"]["covariance"][2][2], 1);
   EXPECT_EQ(told["inflation"], 1);
   scale.estimate->uses_single_turns = true;
-  EXPECT_FALSE(CarSummaryOf(scale, 0).evidence);
+  EXPECT_FALSE(CarSummaryOf({}, scale).evidence);
 }
 
 }  // namespace

@@ -117,6 +117,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Degrees("known_roll_sigma_deg", o.known_roll_sigma);
     visitor.Field("camera_height", o.camera_height);
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
+    visitor.Field("height_from_images", o.height_from_images);
     visitor.Field("height_correlation", o.height_correlation);
     visitor.Field("height_slip_correlation", o.height_slip_correlation);
     visitor.Field("lever_arm_slip_correlation", o.lever_arm_slip_correlation);

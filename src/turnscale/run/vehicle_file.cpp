@@ -264,6 +264,8 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
         std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
     if (*vehicle.camera_height_sigma >= *vehicle.camera_height)
       map.Reject("height_sigma", "has to be below the height");
+    // A height that was found in a drive has them.
+    vehicle.height_from_images = map.Has("height_correlation") || map.Has("height_slip_correlation");
     // What changes between drives has nothing to do with the other constants.
     const double share = not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
     vehicle.height_correlation = share * correlation("height_correlation");

@@ -158,6 +158,15 @@ TEST(VehicleFile, CorrelationsOfTheHeightShrinkByWhatChangesBetweenDrives) {
             std::string::npos);
 }
 
+TEST(VehicleFile, AHeightThatADriveHasFoundIsKnownToBeSo) {
+  EXPECT_FALSE(ReadText("height: 1.4\nheight_sigma: 0.014\n").height_from_images);
+  VehicleOptions vehicle;
+  vehicle.camera_height = 1.4;
+  const auto next = [&](const RefinedScale& scale) { return ReadText(VehicleFileText(vehicle, {}, scale)); };
+  EXPECT_FALSE(next({}).height_from_images) << "handed on as it was measured";
+  EXPECT_TRUE(next(LearnedScale()).height_from_images);
+}
+
 TEST(VehicleFile, LengthsThatDisagreeAreNoBetterKnownThanThat) {
   VehicleOptions vehicle;
   vehicle.lever_arm = 1.5;
