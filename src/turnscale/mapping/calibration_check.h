@@ -96,6 +96,7 @@ struct ShutterReadout {
   double seconds = 0;
   double sigma = 0;
   ReadDirection direction = {};  ///< from the first row to the last one, in the image as it is used
+  bool is_corrected = false;     ///< in the poses that go with it
 };
 
 /// How a calibration has passed its test.

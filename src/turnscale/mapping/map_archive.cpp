@@ -13,7 +13,6 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/mapping/rolling_shutter.h"
 
 namespace turnscale {
 namespace {
@@ -160,7 +159,6 @@ ArchivedPart MapArchive::Load(int first, int last, const Map& map) const {
       ++keyframe;
     }
   }
-  if (map.camera.readout != 0) CorrectRows(part.map);
   return part;
 }
 

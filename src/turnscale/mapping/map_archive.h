@@ -40,9 +40,9 @@ class MapArchive {
   /// landmark of the map, -1 for those that left.
   std::vector<int> Retire(int last, Map& map);
 
-  /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and the camera of `map`: their pixels
-  /// get its radial correction, and are corrected for the readout time of its rows (CorrectRows). Landmarks stand where
-  /// the latest of these blocks has them. Not for several threads at once.
+  /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and the camera of `map`, whose radial
+  /// correction their pixels get. Landmarks stand where the latest of these blocks has them. Not for several threads at
+  /// once.
   ArchivedPart Load(int first, int last, const Map& map) const;
 
   /// Overwrites the positions of a part's landmarks.

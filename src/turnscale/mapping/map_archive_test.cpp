@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/map_archive.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -13,7 +12,6 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/mapping/rolling_shutter.h"
 #include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {
@@ -165,27 +163,6 @@ TEST(MapArchive, PixelsFollowTheCorrection) {
   const Eigen::Vector2d ideal = UndoRadialCorrection(map.camera.pinhole, 0.01, pixel);
   EXPECT_LT((part.map.keyframes[3].observations[0].pixel - CorrectRadially(map.camera.pinhole, 0.02, ideal)).norm(),
             2 * kSinglePrecision);
-}
-
-TEST(MapArchive, PixelsAreCorrectedForTheReadoutOfTheCamera) {
-  Map map = StreetMap();
-  Map corrected = map;
-  corrected.camera.readout = 0.02;
-  CorrectRows(corrected);
-  MapArchive archive;
-  archive.Retire(CountKeyframes(map), map);
-  map.camera.readout = 0.02;
-  const ArchivedPart all = archive.Load(0, archive.end(), map);
-  double largest_change = 0;
-  for (int k = 0; k < CountKeyframes(map); ++k) {
-    const auto& seen = all.map.keyframes[k].observations;
-    for (size_t i = 0; i < seen.size(); ++i) {
-      EXPECT_LT((seen[i].pixel - corrected.keyframes[k].observations[i].pixel).norm(), 2 * kSinglePrecision);
-      const Eigen::Vector3d x = corrected.keyframes[k].camera_from_world * all.map.landmarks[seen[i].landmark].position;
-      largest_change = std::max(largest_change, (seen[i].pixel - map.camera.pinhole.Project(x)).norm());
-    }
-  }
-  EXPECT_GT(largest_change, 5) << "pixels of a global shutter";
 }
 
 TEST(MapArchive, KeepsChangedPositions) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/rolling_shutter.h"
 
-#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <opencv2/core/utility.hpp>
@@ -9,32 +9,58 @@
 #include "turnscale/bundle/reprojection.h"
 
 namespace turnscale {
+namespace {
 
-Eigen::Vector2d RowMotion(const Map& map, int keyframe, const Eigen::Vector3d& position, const Eigen::Vector2d& pixel) {
-  const int last = CountKeyframes(map) - 1;
-  const int next = std::min(keyframe + 1, last);
-  const Keyframe& before = map.keyframes[map.keyframes[keyframe].after_gap ? keyframe : std::max(keyframe - 1, 0)];
-  const Keyframe& after = map.keyframes[map.keyframes[next].after_gap ? keyframe : next];
-  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
-  const CameraModel& camera = map.camera;
-  if (camera.height == 0 || !(after.time > before.time) || !IsInFront(x)) return Eigen::Vector2d::Zero();
-  const Eigen::Vector3d speed =
-      (after.camera_from_world * position - before.camera_from_world * position) / (after.time - before.time);
+// Of a point in the camera's frame at a keyframe, per second.
+Eigen::Vector3d SpeedInCamera(const Map& map, int keyframe, const Eigen::Vector3d& position) {
+  const Keyframe& now = map.keyframes[keyframe];
+  const Eigen::Vector3d x = now.camera_from_world * position;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0;
+  // The slope of a parabola through three keyframes: that over the shorter interval counts more.
+  const auto add = [&](const Keyframe& other) {
+    const double seconds = other.time - now.time;
+    if (seconds == 0) return;
+    const double weight = 1 / std::abs(seconds);
+    sum += weight * (other.camera_from_world * position - x) / seconds;
+    weights += weight;
+  };
+  if (keyframe > 0 && !now.after_gap) add(map.keyframes[keyframe - 1]);
+  if (keyframe + 1 < CountKeyframes(map) && !map.keyframes[keyframe + 1].after_gap) add(map.keyframes[keyframe + 1]);
+  return weights > 0 ? Eigen::Vector3d(sum / weights) : sum;
+}
+
+// For how much of the readout the row of a pixel waits after the middle one; below 0 before it.
+double ShareOfReadout(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  if (camera.width == 0 || camera.height == 0) return 0;
   const Eigen::Vector2d along(camera.read_direction.x, camera.read_direction.y);
   const Eigen::Vector2d size(camera.width, camera.height);
   const Eigen::Vector2d middle = 0.5 * (size - Eigen::Vector2d::Ones());
-  const double share = along.dot(pixel - middle) / along.cwiseAbs().dot(size);
-  return share * (ProjectionJacobian(camera.pinhole, x) * speed);
+  return along.dot(pixel - middle) / along.cwiseAbs().dot(size);
+}
+
+}  // namespace
+
+Eigen::Vector2d RowMotion(const Map& map, int keyframe, const Eigen::Vector3d& position, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
+  if (!IsInFront(x)) return Eigen::Vector2d::Zero();
+  return ShareOfReadout(map.camera, pixel) *
+         (ProjectionJacobian(map.camera.pinhole, x) * SpeedInCamera(map, keyframe, position));
 }
 
 void CorrectRows(Map& map) {
+  const CameraModel& camera = map.camera;
+  if (camera.readout == 0) return;
   cv::parallel_for_(cv::Range(0, CountKeyframes(map)), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k)
       for (KeyframeObservation& seen : map.keyframes[k].observations) {
         const Landmark& landmark = map.landmarks[seen.landmark];
-        if (!landmark.valid) continue;
-        const std::optional<Eigen::Vector2d> distorted = map.camera.Project(map.camera.pinhole.Ray(seen.pixel));
-        if (distorted) seen.pixel -= map.camera.readout * RowMotion(map, k, landmark.position, *distorted);
+        const std::optional<Eigen::Vector2d> distorted = camera.Project(camera.pinhole.Ray(seen.pixel));
+        if (!landmark.valid || !distorted) continue;
+        const double waited = camera.readout * ShareOfReadout(camera, *distorted);
+        const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
+        const Eigen::Vector3d x_then = x + waited * SpeedInCamera(map, k, landmark.position);
+        if (IsInFront(x) && IsInFront(x_then)) seen.pixel -= camera.pinhole.Project(x_then) - camera.pinhole.Project(x);
       }
   });
   CopyPixelsToLandmarks(map);

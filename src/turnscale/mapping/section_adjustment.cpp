@@ -11,6 +11,7 @@
 #include "turnscale/geometry/similarity.h"
 #include "turnscale/mapping/end_of_window.h"
 #include "turnscale/mapping/map_scaling.h"
+#include "turnscale/mapping/rolling_shutter.h"
 
 namespace turnscale {
 namespace {
@@ -64,6 +65,8 @@ int AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map& 
     const RigidTransform old_end = part.map.keyframes.back().camera_from_world;
     const std::vector<Eigen::Vector3d> before = KeyframeCentres(part.map, first);
     MoveFrom(first, new_from_old, {}, part.map);
+    // Only now do the keyframes before the section fit to it.
+    CorrectRows(part.map);
     if (AdjustFrom(options, first, part.map).failed) ++failed;
     for (size_t k = first; k < part.map.keyframes.size(); ++k)
       adjusted.keyframes[section.first_fixed + k].camera_from_world = part.map.keyframes[k].camera_from_world;

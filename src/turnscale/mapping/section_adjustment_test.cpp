@@ -68,6 +68,26 @@ TEST(SectionAdjustment, TakesOutDriftAcrossSections) {
   EXPECT_LT(largest_pixel, 0.2) << "landmarks go along";
 }
 
+TEST(SectionAdjustment, RowsAreCorrectedWithTheKeyframesThatHoldASection) {
+  const CarDrive drive =
+      MakeCarDrive({{70, 0.8, 0}, {30, 0.8, 0.05}, {70, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  Map truth = MakeMap(drive, {.points_per_step = 20, .pixel_noise = 0, .readout = 0.02});
+  const auto error = [&](double readout, bool drifts) {
+    Map map = truth;
+    map.camera.readout = readout;
+    if (drifts) Drift(40, 1.1, map);
+    if (drifts) Drift(110, 0.9, map);
+    MapArchive archive;
+    archive.Retire(CountKeyframes(map), map);
+    AdjustSections(kOptions, archive, map);
+    return LargestError(map, truth);
+  };
+  const double without = error(0, false);
+  EXPECT_GT(without, 0.05) << "of 136 m";
+  EXPECT_LT(error(0.02, false), 0.7 * without);
+  EXPECT_LT(error(0.02, true), 0.7 * without) << "no speed between poses before and after their adjustment";
+}
+
 TEST(SectionAdjustment, OneSectionIsTheAdjustmentOfTheWhole) {
   Map whole = StreetMap(0.3);
   Drift(40, 1.03, whole);

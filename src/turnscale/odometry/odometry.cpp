@@ -17,6 +17,7 @@
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
+#include "turnscale/mapping/rolling_shutter.h"
 #include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/drive_steps.h"
@@ -373,6 +374,7 @@ void Odometry::ConstrainTurnsOfDrive() {
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   MapArchive& archive = upkeep_.archive();
   ArchivedPart drive = archive.Load(0, archive.end(), map_);
+  CorrectRows(drive.map);
   RefinedScale constrained = *refined_;
   const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
   if (const double difference = DifferenceFromInterpolated(map_, constrained, *refined_); difference > 0) {
@@ -437,6 +439,7 @@ RefinedScale Odometry::Refined() const {
   refined.calibration_windows = check.windows();
   refined.aspect_sigma = map_.camera.aspect_sigma;
   refined.readout = ReadoutOfDrive();
+  if (refined.readout) refined.readout->is_corrected = map_.camera.readout != 0;
   BridgeGapsOf(refined);
   return refined;
 }

@@ -45,8 +45,9 @@ RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const st
   ScaleEstimatorOptions estimator = options.scale.estimator;
   estimator.uses_single_turns = estimator.uses_single_turns || calibration == CalibrationVerdict::kContradicted ||
                                 options.scale.method != ScaleMethod::kSmoothed;
-  estimator.stabilisation.enabled =
-      estimator.stabilisation.enabled && calibration == CalibrationVerdict::kNotContradicted;
+  StabilisationOptions& stabilisation = estimator.stabilisation;
+  stabilisation.enabled = stabilisation.enabled && calibration != CalibrationVerdict::kContradicted;
+  stabilisation.adopts_lag = stabilisation.adopts_lag && calibration == CalibrationVerdict::kNotContradicted;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options.vehicle, mount.current()), estimator);
   if (!HasMetres(options.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };

@@ -17,8 +17,8 @@
 namespace turnscale {
 
 /// The scale of a drive, estimated from all keyframes of the map (EstimateScale). With a contradicted calibration, the
-/// steps have errors beyond their noise, so that single-turn scales are used. Where it is in doubt or contradicted, no
-/// stabilisation is looked for: a principal point that is a little off looks like a lag.
+/// steps have errors beyond their noise: single-turn scales are used, and no stabilisation is looked for. With one in
+/// doubt, a lag is not adopted, as a principal point that is a little off looks like one.
 RefinedScale RefineScale(const Map& map, const MountCalibration& mount, const std::vector<MeasuredHeight>& heights,
                          const OdometryOptions& options, CalibrationVerdict calibration);
 

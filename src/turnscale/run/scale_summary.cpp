@@ -108,8 +108,10 @@ double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma) {
   const std::optional<HeightConflict>& height = estimate.height_conflict;
   const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
   const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
-  return std::hypot(estimate.car.camera_height_sigma,
-                    std::hypot(std::hypot(calibration_sigma, slip, between), smoothing) * estimate.car.camera_height);
+  const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;
+  return std::hypot(
+      estimate.car.camera_height_sigma,
+      std::hypot(std::hypot(calibration_sigma, slip, between), smoothing, lag) * estimate.car.camera_height);
 }
 
 }  // namespace turnscale

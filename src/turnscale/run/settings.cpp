@@ -81,6 +81,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("min_reduction_significance", o.min_reduction_significance);
     visitor.Field("min_scale_change", o.min_scale_change);
     visitor.Field("lag_sigma", o.lag_sigma);
+    visitor.Field("adopts_lag", o.adopts_lag);
     visitor.Field("min_lag_turns", o.min_lag_turns);
     visitor.Field("max_lag_sigma", o.max_lag_sigma);
     visitor.Field("min_smoothing", o.min_smoothing);

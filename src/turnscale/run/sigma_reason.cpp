@@ -61,6 +61,9 @@ std::vector<Contribution> Contributions(const DriveFacts& drive, const RefinedSc
     parts.push_back({estimate.test.disagreement, "the turns show an unusual side slip"});
   if (const std::optional<HeightConflict>& height = estimate.height_conflict)
     parts.push_back({0.5 * std::abs(std::log(height->found / height->given)), "lever arm and camera height disagree"});
+  if (estimate.image_lag)
+    parts.push_back(
+        {estimate.image_lag->scale_error, "the images may be stabilised, or the principal point a little off"});
   if (estimate.image_smoothing)
     parts.push_back({estimate.image_smoothing->scale_error, "the images seem to be stabilised"});
   parts.push_back(

@@ -91,6 +91,8 @@ nlohmann::ordered_json StabilisationJson(const ScaleSummary& scale) {
   if (const std::optional<ImageLag>& lag = scale.image_lag) {
     json["lag_s"] = lag->found;
     json["lag_sigma_s"] = lag->found_sigma;
+    json["lag_used"] = lag->is_used;
+    json["lag_confirmed"] = lag->is_confirmed();
   }
   if (const std::optional<ImageSmoothing>& smoothing = scale.image_smoothing)
     json["smoothing_s"] = std::sqrt(smoothing->variance);

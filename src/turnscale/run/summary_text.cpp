@@ -58,9 +58,9 @@ std::string ShutterText(const ScaleSummary& scale) {
   const char* last = SideAt({x, y});
   const char* first = SideAt({-x, -y});
   const bool begins_first = scale.readout->seconds > 0;
-  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} of the image to the {}; corrected\n",
+  return fmt::format("shutter rolling, {:.1f} +-{:.1f} ms from the {} of the image to the {}{}\n",
                      1e3 * std::abs(scale.readout->seconds), 1e3 * scale.readout->sigma, begins_first ? first : last,
-                     begins_first ? last : first);
+                     begins_first ? last : first, scale.readout->is_corrected ? "; corrected" : "");
 }
 
 // One line; empty before the first image.

@@ -243,7 +243,11 @@ TEST(SummaryJson, HasTheStabilisationOfTheImages) {
   summary.scale.image_smoothing = ImageSmoothing{.variance = 0.25};
   EXPECT_EQ(stabilisation(), (nlohmann::json{{"smoothing_s", 0.5}}));
   summary.scale.image_lag = ImageLag{.found = -0.125, .found_sigma = 0.03125};
-  EXPECT_EQ(stabilisation(), (nlohmann::json{{"lag_s", -0.125}, {"lag_sigma_s", 0.03125}, {"smoothing_s", 0.5}}));
+  EXPECT_EQ(stabilisation(), (nlohmann::json{{"lag_s", -0.125},
+                                             {"lag_sigma_s", 0.03125},
+                                             {"lag_used", true},
+                                             {"lag_confirmed", true},
+                                             {"smoothing_s", 0.5}}));
 }
 
 TEST(SummaryText, CountsAndMeasures) {

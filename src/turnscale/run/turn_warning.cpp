@@ -43,11 +43,13 @@ std::string SlipWarning(const SlipConflict& conflict) {
 std::string StabilisationWarning(const ScaleEstimate& estimate) {
   std::string text = "the images seem to be stabilised: ";
   if (const std::optional<ImageLag>& lag = estimate.image_lag)
-    text += fmt::format(
-        "in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which the scale allows, with a larger "
-        "sigma{}; ",
-        lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma,
-        lag->is_confirmed ? "" : ", as with so few turns a principal point that is a little off looks the same");
+    text += fmt::format("in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which {} allows{}; ",
+                        lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma,
+                        lag->is_used ? "the scale" : "only the sigma of the scale",
+                        lag->is_confirmed()
+                            ? ", with a larger sigma"
+                            : fmt::format(" (+-{:.0f} %, as a principal point that is a little off looks the same)",
+                                          100 * lag->scale_error));
   if (const std::optional<ImageSmoothing>& smoothing = estimate.image_smoothing)
     text += fmt::format(
         "they begin to turn before the car does, and turn on after it, by which{} the scale may be off by {:.0f} % or "

@@ -80,8 +80,12 @@ TEST(StabilisationWarning, SaysHowTheImagesMove) {
       "which the scale allows, with a larger sigma; they begin to turn before the car does, and turn on after it, "
       "by which" +
           advice);
-  estimate.image_lag->is_confirmed = false;
-  EXPECT_NE(StabilisationWarning(estimate).find("with a larger sigma, as with so few turns a principal point"),
+  estimate.image_lag->scale_error = 0.3;
+  EXPECT_NE(StabilisationWarning(estimate).find(
+                "for which the scale allows (+-30 %, as a principal point that is a little off looks the same); "),
+            std::string::npos);
+  estimate.image_lag->is_used = false;
+  EXPECT_NE(StabilisationWarning(estimate).find("for which only the sigma of the scale allows (+-30 %"),
             std::string::npos);
   estimate.image_lag->found = -0.1;
   EXPECT_NE(StabilisationWarning(estimate).find("is ahead of the car's by 0.10"), std::string::npos);

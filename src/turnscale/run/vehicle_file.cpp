@@ -130,8 +130,8 @@ KnownCar WhatIsKnown(const VehicleOptions& vehicle, const Mount& mount, const Re
   }
   known.correlations = Distinct(known.correlations);
   if (vehicle.image_lag_sigma > 0) known.lag = {vehicle.image_lag, vehicle.image_lag_sigma};
-  if (scale.estimate && scale.estimate->image_lag && scale.estimate->agrees())
-    known.lag = {scale.estimate->image_lag->found, scale.estimate->image_lag->found_sigma};
+  const std::optional<ImageLag> lag = scale.estimate ? scale.estimate->image_lag : std::nullopt;
+  if (lag && lag->is_confirmed() && scale.estimate->agrees()) known.lag = {lag->found, lag->found_sigma};
   return known;
 }
 

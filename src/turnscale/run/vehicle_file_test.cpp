@@ -219,6 +219,9 @@ TEST(VehicleFile, TheNextDriveAllowsForTheLagOfStabilisedImages) {
   EXPECT_NE(Refused("image_lag: 0.1\n").find("needs image_lag_sigma"), std::string::npos);
   stabilised.estimate->is_doubtful = true;
   EXPECT_EQ(ReadText(VehicleFileText({}, {}, stabilised)).image_lag_sigma, 0) << "as from a converted video";
+  stabilised.estimate->is_doubtful = false;
+  stabilised.estimate->image_lag->scale_error = 0.3;
+  EXPECT_EQ(ReadText(VehicleFileText({}, {}, stabilised)).image_lag_sigma, 0) << "something else may look like it";
   EXPECT_NEAR(ReadText(VehicleFileText(next, {}, {})).image_lag, -0.08, 1e-6) << "a drive without a turn hands it on";
   EXPECT_NE(Refused("image_lag: 0.1\nimage_lag_sigma: -1\n").find("image_lag_sigma"), std::string::npos);
 }

@@ -17,7 +17,12 @@ namespace turnscale {
 struct ImageLag {
   double found = 0;  ///< s; negative: the mean is over later orientations
   double found_sigma = 0;
-  bool is_confirmed = true;  ///< by enough turns, or known beforehand
+  /// Relative error of a scale from turns, where something else may look like the lag: what it changes. 0 where enough
+  /// turns confirm it, or it was known beforehand.
+  double scale_error = 0;
+  bool is_used = true;  ///< by the estimate; else sigma allows for it
+
+  bool is_confirmed() const { return scale_error == 0; }
 };
 
 /// Smoothing of images that electronic stabilisation turns to a mean of orientations before and after each: the images
@@ -44,6 +49,9 @@ struct StabilisationOptions {
   double min_scale_change = 0.05;
   /// Standard deviation of the lag of stabilised images, s.
   double lag_sigma = 0.2;
+  /// Take a lag that the turns show into the estimate. If not, sigma allows for it, as where a wrong calibration may
+  /// look like it.
+  bool adopts_lag = true;
   /// Used turns from which on they confirm a lag, since it has to explain more of them than it has unknowns. With
   /// fewer, sigma covers the scale without it: a principal point that is a little off looks the same.
   int min_lag_turns = 4;

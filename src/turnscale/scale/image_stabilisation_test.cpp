@@ -122,7 +122,8 @@ TEST(ImageStabilisation, AllowsForALag) {
       EXPECT_NEAR(estimate.image_lag->found, lag, 2 * estimate.image_lag->found_sigma + 0.5 * interval);
       EXPECT_LT(std::abs(RelativeError(estimate, drive)), 2 * estimate.length_sigma) << lag << ", " << interval;
       EXPECT_FALSE(estimate.has_reliable_car());
-      EXPECT_TRUE(estimate.image_lag->is_confirmed);
+      EXPECT_TRUE(estimate.image_lag->is_confirmed());
+      EXPECT_TRUE(estimate.image_lag->is_used);
     }
 }
 
@@ -130,15 +131,27 @@ TEST(ImageStabilisation, SigmaCoversALagThatTwoTurnsShow) {
   const StabilisedDrive drive = MakeStabilised(DelayedBy(0.2), 0.1, kCar, {3, 8});
   const ScaleEstimate estimate = EstimateOf(drive);
   ASSERT_TRUE(estimate.image_lag);
-  EXPECT_FALSE(estimate.image_lag->is_confirmed);
-  ScaleEstimatorOptions options;
-  options.stabilisation.enabled = false;
-  const ScaleEstimateResult without = EstimateScale(CutIntoSteps(drive.path, {}, true, {}), KnownCar(kCar), options);
-  ASSERT_TRUE(without.estimate);
-  const double change = std::log(Metres(estimate) / Metres(*without.estimate));
-  EXPECT_GT(std::abs(change), 0.1);
-  EXPECT_GT(estimate.length_sigma, 0.7 * std::abs(change)) << "there may be none";
+  EXPECT_TRUE(estimate.image_lag->is_used);
+  EXPECT_FALSE(estimate.image_lag->is_confirmed());
+  EXPECT_GT(estimate.image_lag->scale_error, 0.1);
+  EXPECT_GT(estimate.length_sigma, estimate.image_lag->scale_error) << "there may be none";
   EXPECT_LT(std::abs(RelativeError(estimate, drive)), estimate.length_sigma);
+}
+
+TEST(ImageStabilisation, SigmaCoversALagThatIsNotAdopted) {
+  ScaleEstimatorOptions options;
+  options.stabilisation.adopts_lag = false;
+  for (const double lag : {0.15, 0.0}) {
+    const StabilisedDrive drive = MakeStabilised(lag > 0 ? DelayedBy(lag) : Stabiliser(Unstabilised), 0.1);
+    const ScaleEstimateResult result = EstimateScale(CutIntoSteps(drive.path, {}, true, {}), KnownCar(kCar), options);
+    ASSERT_TRUE(result.estimate) << result.reason;
+    ASSERT_EQ(result.estimate->image_lag.has_value(), lag > 0);
+    EXPECT_LT(std::abs(RelativeError(*result.estimate, drive)), 2 * result.estimate->length_sigma);
+    if (lag == 0) continue;
+    EXPECT_FALSE(result.estimate->image_lag->is_used);
+    EXPECT_NEAR(result.estimate->image_lag->found, lag, 0.05);
+    EXPECT_GT(std::abs(RelativeError(*result.estimate, drive)), 0.1) << "as if there were none";
+  }
 }
 
 TEST(ImageStabilisation, ADelayAloneIsNoSmoothing) {

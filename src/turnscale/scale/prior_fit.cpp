@@ -78,7 +78,9 @@ bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const Sc
 // its own.
 bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
               const ScaleEstimatorOptions& options) {
-  if (!options.stabilisation.enabled || car.image_lag_sigma > 0 || !car.knows_lever_arm()) return false;
+  const StabilisationOptions& stabilisation = options.stabilisation;
+  if (!stabilisation.enabled || !stabilisation.adopts_lag) return false;
+  if (car.image_lag_sigma > 0 || !car.knows_lever_arm()) return false;
   const DriveState& start = drive.car.mean;
   const CarPrior alone = WithoutHeight(car);
   const auto without = car.knows_height() ? SmoothFrom(start, evidence, alone, options) : drive;
@@ -87,7 +89,7 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
   const double most_slip = options.test.max_prior_deviation;
   if (TurnsAgree(*without, options.test) && SlipDeviation(*without, car) > most_slip) return false;
   if (!TurnsAgree(*with, options.test) || std::abs(SlipDeviation(*with, car)) > most_slip) return false;
-  return LagCounts(*without, *with, options.stabilisation);
+  return LagCounts(*without, *with, stabilisation);
 }
 
 // What the drive contradicts, if it is more or other than what is freed in `fit`.
@@ -130,12 +132,9 @@ double ErrorByLag(const DriveEvidence& evidence, const PriorFit& fit, const Scal
   return std::hypot(with_lag.mean[kLogScale] - without_lag.mean[kLogScale], std::sqrt(std::max(0.0, more)));
 }
 
-double ChangeByFreedLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options) {
-  const CarPrior car = WithFreed({.yaw = fit.freed.yaw, .lag = false}, fit.given, options);
-  const auto without = SmoothFrom(StartingState(car, evidence.of_turns), evidence, WithoutHeight(car), options);
-  if (!without) return 0;
-  return std::abs(fit.drive->smoothed.segments.back().mean[kLogScale] -
-                  without->smoothed.segments.back().mean[kLogScale]);
+double ChangeByLag(const PriorFit& with, const PriorFit& without) {
+  const auto log_scale = [](const PriorFit& fit) { return fit.drive->smoothed.segments.back().mean[kLogScale]; };
+  return std::abs(log_scale(with) - log_scale(without));
 }
 
 ScaleProblem StartingProblem(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options) {

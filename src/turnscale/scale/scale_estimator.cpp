@@ -188,13 +188,23 @@ void CoverSmoothing(const DriveEvidence& evidence, const PriorFit& fit, const Sc
   Widen(error, estimate);
 }
 
-// Few turns do not confirm a lag: sigma grows by what it changes.
+// Few turns do not confirm a lag, and one that something else may look like is not adopted. Sigma grows by what it
+// changes.
 void CoverLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options,
               ScaleEstimate& estimate) {
   const auto used = std::ranges::count_if(estimate.turns, &TurnEstimate::used);
-  if (!fit.freed.lag || used >= options.stabilisation.min_lag_turns) return;
-  estimate.image_lag->is_confirmed = false;
-  Widen(ChangeByFreedLag(evidence, fit, options), estimate);
+  const bool is_confirmed = options.stabilisation.adopts_lag && used >= options.stabilisation.min_lag_turns;
+  if (is_confirmed || !options.stabilisation.enabled || fit.given.image_lag_sigma > 0) return;
+  ScaleEstimatorOptions other = options;
+  other.stabilisation.adopts_lag = !fit.freed.lag;
+  const PriorFit alternative = FitPriors(evidence, fit.given, other);
+  if (alternative.freed.lag == fit.freed.lag || !alternative.drive) return;
+  if (!fit.freed.lag) {
+    const ScaleBelief& last = alternative.drive->smoothed.segments.back();
+    estimate.image_lag = ImageLag{.found = last.mean[kLag], .found_sigma = last.Sigma(kLag), .is_used = false};
+  }
+  estimate.image_lag->scale_error = fit.freed.lag ? ChangeByLag(fit, alternative) : ChangeByLag(alternative, fit);
+  Widen(estimate.image_lag->scale_error, estimate);
 }
 
 // No metres: the turns are left without a scale.
