@@ -607,9 +607,11 @@ TEST_F(ErrorsTest, ACalibrationBesideAFolderOfImagesThatIsNotUsedIsNamed) {
 }
 
 TEST_F(ErrorsTest, ACalibrationBesideTheUsedOneIsNamedWhereItContradicts) {
-  const auto warned = [&] {
-    const CommandResult result = RunCommand(
-        {"run", Drive().string(), "--out", Out().string(), "--fps", "10", "--max-frames", "4", "--quiet"}, folder_);
+  const auto warned = [&](const std::vector<std::string>& options = {}) {
+    std::vector<std::string> arguments = {"run", Drive().string(), "--out", Out().string(), "--fps",
+                                          "10",  "--max-frames",   "4",     "--quiet"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const CommandResult result = RunCommand(arguments, folder_);
     return result.err.find("calib.txt: is used, with the focal length ") != std::string::npos;
   };
   const CameraModel camera = ReadCameraFile(Drive() / "calib.txt");
@@ -627,6 +629,7 @@ TEST_F(ErrorsTest, ACalibrationBesideTheUsedOneIsNamedWhereItContradicts) {
   EXPECT_FALSE(warned());
   write(1.1);
   EXPECT_TRUE(warned());
+  EXPECT_FALSE(warned({"--camera", (Drive() / "calib.txt").string()})) << "it was chosen";
   std::ofstream(Drive() / "camera.yaml") << "settings: of another program\n";
   EXPECT_FALSE(warned());
 }

@@ -183,7 +183,7 @@ py::dict RescaleFor(const py::dict& given) {
     for (const StampedPose& pose : rescaled.metric) tum += TumLine(pose);
     scale = PoseScaleTable(rescaled);
     turns = TurnScaleTable(rescaled);
-    summary = RescaleJson(rescaled, TrajectoryOf(arguments.input).string(), outcome.warnings);
+    summary = RescaleJson(rescaled, TrajectoryOf(arguments.input).string(), outcome.timed, outcome.warnings);
   });
   result["tum"] = tum;
   result["scale"] = scale;

@@ -220,6 +220,7 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_tum(self, rescaled.trajectory, out)
         support.compare_with_csv(self, rescaled.scale, report / "scale.csv")
         support.compare_with_csv(self, rescaled.turns, report / "turns.csv")
+        self.assertEqual(rescaled.summary, json.loads((report / "summary.json").read_text()))
         self.assertGreater(rescaled.summary["length_m"], 10)
         self.assertRegex(repr(rescaled), r"^<Rescaled: \d+ poses, \d+\.\d\d m \+-\d+\.\d %>$")
 

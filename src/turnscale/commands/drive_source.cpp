@@ -14,6 +14,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/camera/camera_file.h"
+#include "turnscale/camera/ray_difference.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/frames/image_rotation.h"
@@ -192,29 +193,14 @@ std::string UnusedCamera(const ImageArguments& arguments, const DriveImages& ima
   return {};
 }
 
-// Largest angle between the rays that two cameras give to a pixel, rad, over a grid of the image; nothing where one of
-// them has none.
-std::optional<double> LargestDifference(const CameraModel& one, const CameraModel& two, const cv::Size& size) {
-  double largest = 0;
-  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
-    for (const double y : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector2d pixel(x * (size.width - 1), y * (size.height - 1));
-      const auto first = one.Undistort(pixel);
-      const auto second = two.Undistort(pixel);
-      if (!first || !second) return std::nullopt;
-      const Eigen::Vector3d a = one.pinhole.Ray(*first).normalized();
-      const Eigen::Vector3d b = two.pinhole.Ray(*second).normalized();
-      largest = std::max(largest, a.cross(b).norm());
-    }
-  return largest;
-}
-
-// One line where the calibration that is used and another one beside it are not of the same camera; else empty.
+// One line where the calibration that was found beside the input and another one there are not of the same camera; else
+// empty.
 std::string OtherCamera(const ImageArguments& arguments, const DriveImages& images) {
   constexpr double kSame = 0.3 / kDegreesPerRadian;
   const DriveInput& drive = images.drive;
   if (!drive.camera_file || !drive.unused_camera_file || images.full_size.empty()) return {};
-  if (images.given.name != drive.camera_file->string()) return {};
+  const bool is_chosen = arguments.camera || arguments.camera_object || arguments.field_of_view;
+  if (is_chosen) return {};
   CameraModel used;
   CameraModel other;
   try {
@@ -227,8 +213,8 @@ std::string OtherCamera(const ImageArguments& arguments, const DriveImages& imag
   // The files are of the images before they are rotated.
   cv::Size size = images.full_size;
   if (arguments.rotate % 180 != 0) std::swap(size.width, size.height);
-  const std::optional<double> difference = LargestDifference(used, other, size);
-  if (difference && *difference < kSame) return {};
+  const std::optional<RayDifference> difference = LargestRayDifference(used, other, size.width, size.height);
+  if (difference && difference->angle < kSame) return {};
   return fmt::format(
       "{}: is used, with the focal length {:.4g} pixels; {} beside it has another calibration, {:.4g} pixels{}: "
       "give --camera with the right one, or take away the other",

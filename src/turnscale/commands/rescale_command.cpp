@@ -122,8 +122,9 @@ std::string TumText(const Trajectory& trajectory) {
 }
 
 void WriteReport(const fs::path& folder, const RescaleOutcome& outcome, const std::string& input, const CarPrior& car,
-                 bool timed, std::optional<double> first_time) {
+                 std::optional<double> first_time) {
   const RescaleResult& result = outcome.result;
+  const bool timed = outcome.timed;
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) RefusePlace(folder.string() + ": cannot be made", error, "choose another --report");
@@ -164,6 +165,7 @@ RescaleOutcome ExecuteRescale(const RescaleArguments& given, const CommandHooks&
   arguments.input = TrajectoryOf(given.input);
   CheckArguments(arguments);
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
+  outcome.timed = trajectory.timed;
   const std::string input = arguments.input.string();
   if (IsOfRearAxle(arguments.input))
     throw InputError(input +
@@ -200,7 +202,7 @@ RescaleOutcome ExecuteRescale(const RescaleArguments& given, const CommandHooks&
   if (!arguments.out.empty()) ReplaceFile(arguments.out, TumText(result.metric));
   // --fps replaces the times in the file.
   const std::optional<double> first_time = arguments.fps ? std::nullopt : FirstTimeOfRun(arguments.input);
-  if (arguments.report) WriteReport(*arguments.report, outcome, input, options.car, trajectory.timed, first_time);
+  if (arguments.report) WriteReport(*arguments.report, outcome, input, options.car, first_time);
   return outcome;
 }
 

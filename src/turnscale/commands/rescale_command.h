@@ -32,6 +32,7 @@ struct RescaleArguments {
 /// What a rescale has found, and what there is to say of it.
 struct RescaleOutcome {
   RescaleResult result;
+  bool timed = true;                  ///< the input has times, or was given them
   std::vector<std::string> warnings;  ///< all that the hooks were told, one line each
 };
 

@@ -33,8 +33,9 @@ struct Keyframe {
   double gap_turn_sigma = 0;
   /// Whether that angle was measured in the images on both sides of the gap.
   bool gap_turn_is_measured = false;
-  /// Contrast of the first image in that gap over that of the last one before it; 1 where there was none.
-  double gap_contrast = 1;
+  /// Ratio: contrast of the first image that was lost in that gap over that of the last one before it; 1 where there
+  /// was no gap.
+  double contrast_left = 1;
   /// Variance of the logarithm of the unit of length from the previous keyframe to this one for independent pixel
   /// errors (UnitVariance), infinite if no landmark connects them; 0 while it is not known, as near the end of the map.
   double pixel_unit_variance = 0;

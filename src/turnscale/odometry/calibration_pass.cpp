@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "turnscale/camera/lens_fit.h"
+#include "turnscale/camera/ray_difference.h"
 
 namespace turnscale {
 namespace {
@@ -48,22 +49,10 @@ double LargestStep(const IntrinsicsEstimate& estimate) {
                    steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
 }
 
-// Largest change of the ray of a pixel within a radius (pixels) of the principal point.
+// Largest change of the ray of a pixel within a radius (pixels) of the principal point, in focal lengths.
 double Difference(const CameraModel& camera, const CameraModel& other, double radius) {
-  const Eigen::Vector2d centre(camera.pinhole.cx, camera.pinhole.cy);
-  double largest = 0;
-  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
-    for (const double y : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector2d place(x * (camera.width - 1), y * (camera.height - 1));
-      const double share = std::min(1.0, radius / std::max(1.0, (place - centre).norm()));
-      const Eigen::Vector2d pixel = centre + share * (place - centre);
-      const auto one = camera.Undistort(pixel);
-      const auto two = other.Undistort(pixel);
-      if (!one || !two) return HUGE_VAL;
-      const Eigen::Vector3d difference = camera.pinhole.Ray(*one) - other.pinhole.Ray(*two);
-      largest = std::max(largest, difference.norm());
-    }
-  return largest;
+  const auto largest = LargestRayDifference(camera, other, camera.width, camera.height, radius);
+  return largest ? largest->distance : HUGE_VAL;
 }
 
 }  // namespace

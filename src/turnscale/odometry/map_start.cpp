@@ -133,7 +133,7 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
                            .gap_sigma = place.unit.sigma,
                            .gap_turn_sigma = place.predicted.turn_sigma,
                            .gap_turn_is_measured = place.predicted.turn_is_measured,
-                           .gap_contrast = place.contrast});
+                           .contrast_left = place.contrast_left});
   map.keyframes.push_back({.frame = second.frame,
                            .time = second.time,
                            .camera_from_world = second_from_first * place.predicted.first_from_world,

@@ -42,9 +42,9 @@ PredictedStart PredictStart(const MotionModel& motion, const InitialMap& start,
 /// Where a start is put in the map.
 struct StartPlace {
   PredictedStart predicted;
-  UnitGuess unit{1, 0};    ///< its unit of length in that of the map
-  bool after_gap = false;  ///< the map has keyframes from before
-  double contrast = 1;     ///< Keyframe::gap_contrast
+  UnitGuess unit{1, 0};      ///< its unit of length in that of the map
+  bool after_gap = false;    ///< the map has keyframes from before
+  double contrast_left = 1;  ///< Keyframe::contrast_left
 };
 
 /// What a start has become in the map.

@@ -47,18 +47,18 @@ void MotionModelOptions::Check() const {
   if (!(acceleration_in_depths >= 0)) throw InputError("acceleration_in_depths: must not be negative");
   if (!(gap_turn_on_straights > 0)) throw InputError("gap_turn_on_straights: has to be positive");
   if (!(gap_turn_in_turns >= 0)) throw InputError("gap_turn_in_turns: must not be negative");
-  if (!(gap_turn_reach >= 0)) throw InputError("gap_turn_reach: must not be negative");
-  if (!(gap_turn_speed > 0)) throw InputError("gap_turn_speed: has to be positive");
-  if (!(gap_turn_most > 0)) throw InputError("gap_turn_most: has to be positive");
-  if (!(gap_turn_most_reach >= 0)) throw InputError("gap_turn_most_reach: must not be negative");
+  if (!(gap_corner >= 0)) throw InputError("gap_corner: must not be negative");
+  if (!(gap_corner_speed > 0)) throw InputError("gap_corner_speed: has to be positive");
+  if (!(max_gap_turn > 0)) throw InputError("max_gap_turn: has to be positive");
+  if (!(max_gap_corner >= 0)) throw InputError("max_gap_corner: must not be negative");
 }
 
 double GapTurnSigma(const MotionModelOptions& options, double seconds, double rate, std::optional<double> speed) {
   const double squared = seconds * seconds;
   const double usual = squared * std::hypot(options.gap_turn_on_straights, options.gap_turn_in_turns * rate);
-  const double slowness = options.gap_turn_speed / std::max(speed.value_or(0), options.gap_turn_speed);
-  const double reach = squared * options.gap_turn_reach * slowness * slowness;
-  return std::hypot(std::min(usual, options.gap_turn_most), std::min(reach, options.gap_turn_most_reach));
+  const double slowness = options.gap_corner_speed / std::max(speed.value_or(0), options.gap_corner_speed);
+  const double corner = squared * options.gap_corner * slowness * slowness;
+  return std::hypot(std::min(usual, options.max_gap_turn), std::min(corner, options.max_gap_corner));
 }
 
 // Step by step of the length measured, so that a turn bends the path as it goes on.

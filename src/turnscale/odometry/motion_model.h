@@ -32,20 +32,23 @@ struct MotionModelOptions {
   /// The same for a slow car, whose acceleration is large beside its speed: standard deviation of the acceleration as a
   /// share of the depth of the nearest quarter of the scene, 1/s^2. 1.2 m/s^2 where that is 12 m away.
   double acceleration_in_depths = 0.1;
-  /// Standard deviation of the angle by which a car turns in a gap beyond PredictAcross, over the time squared: on
-  /// straights, rad/s^2, and in turns, of the larger turning rate on its sides, 1/s^2. For 0.5 to 30 s.
+  /// Usual error of the turn that PredictAcross predicts for a gap, over the length of the gap squared: a standard
+  /// deviation on straights, rad/s^2, and one in proportion to the larger turning rate on both sides of the gap, 1/s^2.
+  /// From gaps of 0.5 to 30 s.
   double gap_turn_on_straights = 0.01;
   double gap_turn_in_turns = 0.11;
-  /// Half of what it turns beyond that at most, over the time squared, rad/s^2, for 1 to 4 s. A gap in which the images
-  /// show no rotation is mostly one in which the car has turned out of what it saw: most turns are far above the usual
-  /// ones of all gaps (docs/gaps.md).
-  double gap_turn_reach = 0.1;
-  /// Up to this speed, m/s; above, it falls with the speed squared. Where the speed is not known, it may be as low.
-  double gap_turn_speed = 8;
-  /// Bound of the first two together and of the third, rad: any direction, and a right angle that was or was not
-  /// turned.
-  double gap_turn_most = 1.8;
-  double gap_turn_most_reach = 0.8;
+  /// Standard deviation that allows for a corner which the car turns within the gap, over the length of the gap
+  /// squared, rad/s^2: half of the largest error in gaps of 1 to 4 s. The turn is predicted only where the images
+  /// before and after the gap do not show it, mostly because the car has turned out of what it saw: then the error is
+  /// far above the usual one (docs/gaps.md).
+  double gap_corner = 0.1;
+  /// Speed before the gap, m/s, up to which gap_corner holds; above, it falls with the speed squared. A speed that is
+  /// not known counts as low.
+  double gap_corner_speed = 8;
+  /// Largest values of the usual standard deviation, rad, with which any direction is possible, and of that of a
+  /// corner, with which a right angle may or may not have been turned.
+  double max_gap_turn = 1.8;
+  double max_gap_corner = 0.8;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -370,10 +370,10 @@ TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.acceleration_in_depths = -1; }), "acceleration_in_depths");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_on_straights = 0; }), "gap_turn_on_straights");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_in_turns = -1; }), "gap_turn_in_turns");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_reach = -1; }), "gap_turn_reach");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_speed = 0; }), "gap_turn_speed");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_most = 0; }), "gap_turn_most");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_turn_most_reach = -1; }), "gap_turn_most_reach");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_corner = -1; }), "gap_corner");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.gap_corner_speed = 0; }), "gap_corner_speed");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_gap_turn = 0; }), "max_gap_turn");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_gap_corner = -1; }), "max_gap_corner");
 }
 
 }  // namespace

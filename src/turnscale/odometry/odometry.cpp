@@ -39,7 +39,7 @@ constexpr int kUsualLandmarks = 1 << 17;
 constexpr double kDecidingTurn = 10;
 
 // Of an image that shows nothing, gray levels.
-constexpr double kLeastContrast = 1;
+constexpr double kNoContrast = 1;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -188,8 +188,8 @@ StartPlace Odometry::PlaceAfterGap(const InitialMap& start) const {
   place.after_gap = true;
   place.predicted = PredictStart(motion_, start, rotation, metres_per_unit);
   if (!images.lost.empty())
-    place.contrast =
-        ContrastOf(images.lost, mask_.pixels()) / std::max(ContrastOf(images.before, mask_.pixels()), kLeastContrast);
+    place.contrast_left =
+        ContrastOf(images.lost, mask_.pixels()) / std::max(ContrastOf(images.before, mask_.pixels()), kNoContrast);
   place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   return place;
 }

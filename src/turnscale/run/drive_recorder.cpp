@@ -37,7 +37,7 @@ std::vector<MapRestart> RestartsOf(const Map& map) {
   for (const Keyframe& keyframe : map.keyframes)
     if (keyframe.after_gap)
       restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma, keyframe.gap_turn_sigma,
-                          keyframe.gap_turn_is_measured, keyframe.gap_contrast});
+                          keyframe.gap_turn_is_measured, keyframe.contrast_left});
   return restarts;
 }
 

@@ -34,7 +34,7 @@ struct MapRestart {
   double unit_sigma = 0;  ///< relative standard deviation of its unit of length from that before
   double turn_sigma = 0;  ///< standard deviation of the angle by which the car has turned since the map before, rad
   bool turn_is_measured = false;  ///< that angle, in the images on both sides
-  double contrast = 1;            ///< of the first image that was not tracked, over that of the last one that was
+  double contrast_left = 1;  ///< ratio: of the first image that was not tracked, over that of the last one that was
 };
 
 /// All missing parts, in the order of time.

@@ -135,9 +135,9 @@ std::string KnownLagWarning(const VehicleOptions& vehicle, const RefinedScale& s
          ": without stabilisation, remove image_lag and image_lag_sigma from the file of the car or the settings";
 }
 
-// Whether what is wrong with the turns may follow from the calibration, which has its own warning: where the images are
-// upside down or blended, they contradict a right one.
-bool IsCalibrationToBlame(const DriveFacts& drive, const RefinedScale& scale) {
+// Whether the calibration, which has its own warning, may be the cause of what is wrong with the turns: where the
+// images are upside down or blended, they contradict a right one.
+bool IsCalibrationSuspect(const DriveFacts& drive, const RefinedScale& scale) {
   return !scale.contradicted_calibration.empty() && !drive.images.is_upside_down && !drive.images.blending;
 }
 
@@ -145,7 +145,7 @@ bool IsCalibrationToBlame(const DriveFacts& drive, const RefinedScale& scale) {
 std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, const CarSummary& car,
                                                    const RefinedScale& scale) {
   std::vector<std::string> parts;
-  if (!scale.estimate || !IsCalibrationToBlame(drive, scale)) return parts;
+  if (!scale.estimate || !IsCalibrationSuspect(drive, scale)) return parts;
   const ScaleEstimate& estimate = *scale.estimate;
   if (estimate.test.contradicted && estimate.test.worst_turn >= 0)
     parts.push_back(fmt::format("the turns disagree on the scale by {:.0f} %", 100 * estimate.test.disagreement));
@@ -165,20 +165,20 @@ std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, cons
 std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
   std::vector<std::string> warnings;
   const VehicleOptions& vehicle = drive.vehicle;
-  // The warning of the calibration names them.
-  const bool has_consequences = IsCalibrationToBlame(drive, scale);
-  if (!has_consequences && scale.estimate && scale.estimate->height_conflict)
+  // Where it is, its own warning names what may follow from it.
+  const bool is_calibration_suspect = IsCalibrationSuspect(drive, scale);
+  if (!is_calibration_suspect && scale.estimate && scale.estimate->height_conflict)
     warnings.push_back(HeightWarning(*scale.estimate->height_conflict, vehicle.lever_arm.value_or(0),
                                      vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
-  if (!has_consequences && car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
+  if (!is_calibration_suspect && car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
     warnings.push_back(UnusualHeight(*car.refined));
-  if (!has_consequences && scale.estimate && scale.estimate->slip_conflict)
+  if (!is_calibration_suspect && scale.estimate && scale.estimate->slip_conflict)
     warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
   if (vehicle.image_lag_sigma > 0)
     warnings.push_back(KnownLagWarning(vehicle, scale));
   else if (scale.estimate && scale.estimate->is_stabilised())
     warnings.push_back(StabilisationWarning(*scale.estimate));
-  if (!has_consequences && scale.estimate && scale.estimate->yaw_conflict)
+  if (!is_calibration_suspect && scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   warnings.push_back(OtherYaw(vehicle, drive.mount));
   warnings.push_back(RollWarning(drive.mount, drive.given.rotate));
@@ -250,9 +250,7 @@ std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double f
 
 // A wrong calibration distorts a turn where it begins, which looks like a turn of the camera.
 std::string DoubtfulKnocksWarning(const DriveFacts& drive, const RefinedScale& scale) {
-  if (drive.mount.jumps.empty() || scale.contradicted_calibration.empty()) return "";
-  // Then it is the images that are wrong.
-  if (drive.images.is_upside_down || drive.images.blending) return "";
+  if (drive.mount.jumps.empty() || !IsCalibrationSuspect(drive, scale)) return "";
   return fmt::format(
       "the turn{} of the camera on the car may come from the calibration, which the images contradict: "
       "correct it first",
@@ -267,7 +265,7 @@ std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vect
   std::vector<std::string> warnings = SeamWarnings(drive.ending.clips, path.missing, first_time);
   std::vector<double> seams;
   for (const ClipPart& clip : drive.ending.clips) seams.push_back(clip.start);
-  warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, seams), first_time));
+  warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, drive.repeated, seams), first_time));
   warnings.push_back(MostlyMissingWarning(path));
   warnings.push_back(UnknownTurnWarning(drive.restarts, first_time));
   warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
@@ -297,8 +295,7 @@ std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vecto
   if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
   add_all(WarningsOfImages(drive, summary.car, scale));
   add(DoubtfulKnocksWarning(drive, scale));
-  const bool has_consequences = IsCalibrationToBlame(drive, scale);
-  if (!has_consequences) add(TurnsWarning(scale));
+  if (!IsCalibrationSuspect(drive, scale)) add(TurnsWarning(scale));
   add(MethodWarning(drive.method, scale));
   add_all(CarWarnings(drive, summary.car, scale));
   add_all(TimeWarnings(frames, scale.turns, drive.given.first_time));

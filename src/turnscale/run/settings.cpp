@@ -298,10 +298,10 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("acceleration_in_depths", o.acceleration_in_depths);
     visitor.Field("gap_turn_on_straights", o.gap_turn_on_straights);
     visitor.Field("gap_turn_in_turns", o.gap_turn_in_turns);
-    visitor.Field("gap_turn_reach", o.gap_turn_reach);
-    visitor.Field("gap_turn_speed", o.gap_turn_speed);
-    visitor.Field("gap_turn_most", o.gap_turn_most);
-    visitor.Field("gap_turn_most_reach", o.gap_turn_most_reach);
+    visitor.Field("gap_corner", o.gap_corner);
+    visitor.Field("gap_corner_speed", o.gap_corner_speed);
+    visitor.Field("max_gap_turn", o.max_gap_turn);
+    visitor.Field("max_gap_corner", o.max_gap_corner);
   });
   visitor.Group("gap_rotation", [&] {
     auto& o = options.gap_rotation;

@@ -24,7 +24,7 @@ constexpr double kAtSeam = 0.15;  // seconds
 // not tracked, together. Where the view changes at once, hardly any is; in poor light, tracking is lost bit by bit.
 constexpr double kMostFound = 0.6;
 // Contrast of that image over that of the last tracked one: with less, the scene is hidden, and no other one is shown.
-constexpr double kLeastContrast = 0.35;
+constexpr double kLeastContrastLeft = 0.35;
 // Landmarks in the last image before it, as a share of the usual number: with fewer, tracking was about to be lost.
 constexpr double kLeastLandmarks = 0.5;
 
@@ -41,7 +41,7 @@ double ShareFound(const FrameResult& lost, const FrameResult& last, const FrameR
 }  // namespace
 
 std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, const std::vector<MapRestart>& restarts,
-                                    const std::vector<double>& seams) {
+                                    const std::vector<int>& repeated, const std::vector<double>& seams) {
   std::vector<double> inliers;
   std::vector<double> intervals;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -53,16 +53,21 @@ std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, cons
   const TrackingOptions limits;
   const double longest = std::max(limits.max_lost_seconds, limits.min_lost_frames * interval) + kIntervals * interval;
   const double least = kLeastLandmarks * Median(std::move(inliers));
+  // In other frames nothing was looked for, so that they do not tell what was still to be found.
+  const auto is_searched = [&](const FrameResult& frame) {
+    return frame.state != TrackingState::kUnreadable && !std::ranges::binary_search(repeated, frame.frame);
+  };
   std::vector<double> times;
   for (const MapRestart& restart : restarts) {
     const auto first = std::ranges::lower_bound(frames, restart.frame, {}, &FrameResult::frame);
     const auto last = std::find_if(std::make_reverse_iterator(first), frames.rend(),
                                    [](const FrameResult& frame) { return frame.is_measured(); });
     if (first == frames.end() || last == frames.rend()) continue;
-    const FrameResult& lost = *last.base();
+    const auto lost = std::find_if(last.base(), first, is_searched);
+    if (lost == first) continue;
     const FrameResult* before = std::next(last) == frames.rend() ? nullptr : &*std::next(last);
-    if (ShareFound(lost, *last, before) > kMostFound || restart.contrast < kLeastContrast) continue;
-    const double time = lost.time;
+    if (ShareFound(*lost, *last, before) > kMostFound || restart.contrast_left < kLeastContrastLeft) continue;
+    const double time = lost->time;
     const bool at_seam = std::ranges::any_of(seams, [&](double seam) { return std::abs(time - seam) < kAtSeam; });
     if (first->time - last->time < longest && last->inliers >= least && !at_seam) times.push_back(time);
   }

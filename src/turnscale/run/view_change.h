@@ -10,12 +10,13 @@
 namespace turnscale {
 
 /// Times, seconds, from which on the images show another view than just before, so that the map began anew: tracking
-/// was good until then, hardly anything of it was found in the next image, which is no blank one, and the next map
-/// began as soon as the last was given up. Videos that were cut or joined look so, and recorders that skip images
-/// without a word. `frames`: of the drive, refined, in the order of their numbers. `seams`: when clips begin that
-/// follow others, seconds; nothing is said of them.
+/// was good until then, hardly anything of it was found in the next image that repeats none, which is no blank one,
+/// and the next map began as soon as the last was given up. Videos that were cut or joined look so, and recorders that
+/// skip images without a word. `frames`: of the drive, refined, in the order of their numbers. `repeated`: numbers of
+/// those that were taken for repeated images online, ascending. `seams`: when clips begin that follow others, seconds;
+/// nothing is said of them.
 std::vector<double> FindViewChanges(const std::vector<FrameResult>& frames, const std::vector<MapRestart>& restarts,
-                                    const std::vector<double>& seams = {});
+                                    const std::vector<int>& repeated = {}, const std::vector<double>& seams = {});
 
 /// A part of the drive whose images all repeat the one before it, and are followed by another view or by none.
 struct FrozenPart {

@@ -40,7 +40,7 @@ TEST(ViewChange, IsFoundAtLowRatesAndNotWhereClipsBegin) {
   std::vector<FrameResult> frames = Frames(60, 30, 4);
   for (FrameResult& frame : frames) frame.time = frame.frame / 3.0;
   EXPECT_EQ(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}).size(), 1U);
-  EXPECT_TRUE(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}, {10.0}).empty());
+  EXPECT_TRUE(FindViewChanges(frames, {{.frame = 34, .time = 34 / 3.0}}, {}, {10.0}).empty());
 }
 
 TEST(ViewChange, IsNoneWhereMuchIsStillFoundOrTheSceneIsHidden) {
@@ -49,7 +49,7 @@ TEST(ViewChange, IsNoneWhereMuchIsStillFoundOrTheSceneIsHidden) {
   dark[30].tracked = 100;
   dark[30].inliers = 30;
   EXPECT_TRUE(FindViewChanges(dark, {restart}).empty());
-  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 5), {{.frame = 35, .time = 8.5, .contrast = 0.1}}).empty());
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 5), {{.frame = 35, .time = 8.5, .contrast_left = 0.1}}).empty());
 
   // Of every second image of 60 a second, only a sample of the landmarks is looked for.
   std::vector<FrameResult> fast = Frames(300, 150, 25);
@@ -60,6 +60,24 @@ TEST(ViewChange, IsNoneWhereMuchIsStillFoundOrTheSceneIsHidden) {
   EXPECT_EQ(FindViewChanges(fast, {{.frame = 175, .time = 175 / 60.0}}).size(), 1U);
   fast[148].tracked = 70;
   EXPECT_TRUE(FindViewChanges(fast, {{.frame = 175, .time = 175 / 60.0}}).empty());
+}
+
+TEST(ViewChange, IsLookedForInTheFirstImageThatIsReadableAndRepeatsNone) {
+  const MapRestart restart{.frame = 35, .time = 8.5};
+  std::vector<FrameResult> frames = Frames(60, 30, 5);
+  for (const int i : {30, 31}) {
+    frames[i].tracked = 0;
+    frames[i].inliers = 0;
+  }
+  frames[31].state = TrackingState::kUnreadable;
+  const std::vector<double> times = FindViewChanges(frames, {restart}, {30});
+  ASSERT_EQ(times.size(), 1U);
+  EXPECT_NEAR(times[0], 8.2, 1e-9) << "of the first image of the other view";
+  frames[32].tracked = 100;
+  frames[32].inliers = 30;
+  EXPECT_TRUE(FindViewChanges(frames, {restart}, {30}).empty()) << "much is still found";
+  EXPECT_TRUE(FindViewChanges(Frames(60, 30, 5), {restart}, {30, 31, 32, 33, 34}).empty())
+      << "a frozen picture shows no other view";
 }
 
 TEST(FrozenParts, AreRepeatedImagesThatAreFollowedByAnotherView) {
