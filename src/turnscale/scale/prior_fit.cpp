@@ -132,11 +132,6 @@ double ErrorByLag(const DriveEvidence& evidence, const PriorFit& fit, const Scal
   return std::hypot(with_lag.mean[kLogScale] - without_lag.mean[kLogScale], std::sqrt(std::max(0.0, more)));
 }
 
-double ChangeByLag(const PriorFit& with, const PriorFit& without) {
-  const auto log_scale = [](const PriorFit& fit) { return fit.drive->smoothed.segments.back().mean[kLogScale]; };
-  return std::abs(log_scale(with) - log_scale(without));
-}
-
 ScaleProblem StartingProblem(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options) {
   const DriveState start = StartingState(car, evidence.of_turns);
   return ProblemOf(evidence, SelectTurns(evidence.of_segments, car, start, options.evidence), options);

@@ -35,10 +35,6 @@ CarPrior WithoutHeight(CarPrior car);
 /// the prior allows for a lag. `fit.drive` must not be empty.
 double ErrorByLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options);
 
-/// By how much a lag changes the scale of a drive, relative: between its estimates with a lag that was freed and
-/// without. Neither may be without a drive.
-double ChangeByLag(const PriorFit& with, const PriorFit& without);
-
 /// The unsmoothed problem of a drive, with the turns that are selected at the start.
 ScaleProblem StartingProblem(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options);
 

@@ -188,22 +188,22 @@ void CoverSmoothing(const DriveEvidence& evidence, const PriorFit& fit, const Sc
   Widen(error, estimate);
 }
 
-// Few turns do not confirm a lag, and one that something else may look like is not adopted. Sigma grows by what it
-// changes.
+// Few turns do not confirm a lag, and one that something else may look like is not adopted. Sigma grows by how far the
+// scale is from that of the other choice.
 void CoverLag(const DriveEvidence& evidence, const PriorFit& fit, const ScaleEstimatorOptions& options,
               ScaleEstimate& estimate) {
+  const bool adopted = fit.freed.lag;
   const auto used = std::ranges::count_if(estimate.turns, &TurnEstimate::used);
-  const bool is_confirmed = options.stabilisation.adopts_lag && used >= options.stabilisation.min_lag_turns;
-  if (is_confirmed || !options.stabilisation.enabled || fit.given.image_lag_sigma > 0) return;
+  if (adopted ? used >= options.stabilisation.min_lag_turns : options.stabilisation.adopts_lag) return;
   ScaleEstimatorOptions other = options;
-  other.stabilisation.adopts_lag = !fit.freed.lag;
+  other.stabilisation.adopts_lag = !adopted;
   const PriorFit alternative = FitPriors(evidence, fit.given, other);
-  if (alternative.freed.lag == fit.freed.lag || !alternative.drive) return;
-  if (!fit.freed.lag) {
-    const ScaleBelief& last = alternative.drive->smoothed.segments.back();
+  if (alternative.freed.lag == adopted || !alternative.drive) return;
+  const ScaleBelief& last = alternative.drive->smoothed.segments.back();
+  if (!adopted)
     estimate.image_lag = ImageLag{.found = last.mean[kLag], .found_sigma = last.Sigma(kLag), .is_used = false};
-  }
-  estimate.image_lag->scale_error = fit.freed.lag ? ChangeByLag(fit, alternative) : ChangeByLag(alternative, fit);
+  estimate.image_lag->scale_error =
+      std::abs(last.mean[kLogScale] - fit.drive->smoothed.segments.back().mean[kLogScale]);
   Widen(estimate.image_lag->scale_error, estimate);
 }
 
