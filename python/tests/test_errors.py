@@ -151,7 +151,7 @@ class Failures(unittest.TestCase):
         out = support.scratch() / "full"
         script = f"""
             import resource, turnscale
-            resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
             try:
                 turnscale.run({str(drive)!r}, max_frames=80, out={str(out)!r}, no_report=True)
             except RuntimeError as error:

@@ -75,8 +75,7 @@ void RefuseTable(const std::vector<std::string_view>& words, const std::string& 
                      "beside it, or, for the speeds alone, calibrate --speed with this file");
   if (std::ranges::none_of(words, [](std::string_view word) { return ParseNumber<double>(word).has_value(); }))
     throw InputError(fmt::format(
-        "{}: begins with the words '{}', but a trajectory file has numbers: TUM has 'time tx ty tz qx qy qz qw', KITTI "
-        "12 or 13 numbers, EuRoC 'time [ns],px,py,pz,qw,qx,qy,qz'; put # before a heading",
+        "{}: begins with '{}'; a trajectory has numbers, as TUM, KITTI and EuRoC write it; put # before a heading",
         path, Excerpt(words[0])));
 }
 

@@ -152,7 +152,7 @@ TEST(TrajectoryFile, TheTableOfARunNamesTheFileToGive) {
 TEST(TrajectoryFile, ATableOfOtherThingsIsToldByItsHeading) {
   EXPECT_NE(TrajectoryComplaint("frame,time_s,speed_mps,yaw_rate_degps\n0,0.1,5,0\n").find("give poses.txt, which"),
             std::string::npos);
-  EXPECT_NE(TrajectoryComplaint("time,speed\n0.1,5\n").find("begins with the words 'time'"), std::string::npos);
+  EXPECT_NE(TrajectoryComplaint("time,speed\n0.1,5\n").find("begins with 'time'"), std::string::npos);
   EXPECT_NE(TrajectoryComplaint("1 0 0 0 0 0 0 1\ntime tx ty tz qx qy qz qw\n").find("'time' is not a finite number"),
             std::string::npos)
       << "no heading";

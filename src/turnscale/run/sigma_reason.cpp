@@ -44,7 +44,7 @@ std::string EvidenceText(const RefinedScale& scale) {
   if (used == 0) return "no turn is used, and the height of the camera alone tells the scale";
   const std::string alone = sigmas.empty() ? std::string() : fmt::format(", +-{:.0f} % alone", 100 * Median(sigmas));
   if (used == 1) return fmt::format("only one turn is used, of {:.0f} deg{}", InDegrees(angle), alone);
-  return fmt::format("the {} turns that are used, {:.0f} deg in all, tell it no better{}", used, InDegrees(angle),
+  return fmt::format("few turns: {} are used, of {:.0f} deg in all{}", used, InDegrees(angle),
                      sigmas.empty() ? std::string() : fmt::format(" (each{} in the median)", alone.substr(1)));
 }
 

@@ -46,8 +46,7 @@ TEST(SigmaReason, FewTurnsAreOne) {
   EXPECT_EQ(ReasonOf(scale), "only one turn is used, of 25 deg, +-18 % alone");
   scale.turns.push_back(Turn(20, 30, 40, 0.3));
   scale.turns.push_back(Turn(40, 50, 40, 0.22));
-  EXPECT_EQ(ReasonOf(scale),
-            "the 3 turns that are used, 105 deg in all, tell it no better (each +-22 % alone in the median)");
+  EXPECT_EQ(ReasonOf(scale), "few turns: 3 are used, of 105 deg in all (each +-22 % alone in the median)");
   scale.turns.clear();
   EXPECT_EQ(ReasonOf(scale), "no turn is used, and the height of the camera alone tells the scale");
 }

@@ -80,6 +80,9 @@ TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as the drive has no sharp turn\n"));
   summary.scale.calibration_windows = 2;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, consistent with the turns\n"));
+  summary.scale.image_lag = ImageLag{.found = 0.1, .found_sigma = 0.02, .scale_error = 0.3, .is_used = false};
+  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, left in doubt by the turns\n"));
+  summary.scale.image_lag.reset();
   summary.scale.calibration_agrees = false;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, contradicted by the turns\n"));
 }

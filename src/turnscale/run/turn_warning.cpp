@@ -41,11 +41,20 @@ std::string SlipWarning(const SlipConflict& conflict) {
 }
 
 std::string StabilisationWarning(const ScaleEstimate& estimate) {
+  const std::string remedy =
+      "record without image stabilisation, or give the measured height of the camera instead of the lever arm";
+  const std::optional<ImageLag>& lag = estimate.image_lag;
+  if (lag && !lag->is_used)
+    return fmt::format(
+        "the principal point of the calibration may be a little off, or the images stabilised: either explains what "
+        "the "
+        "turns show, and the sigma of the scale allows for both (+-{:.0f} %); have the calibration estimated by "
+        "--camera-refine, {}",
+        100 * lag->scale_error, remedy);
   std::string text = "the images seem to be stabilised: ";
-  if (const std::optional<ImageLag>& lag = estimate.image_lag)
-    text += fmt::format("in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which {} allows{}; ",
+  if (lag)
+    text += fmt::format("in turns their orientation {} the car's by {:.2f} +-{:.2f} s, for which the scale allows{}; ",
                         lag->found > 0 ? "lags behind" : "is ahead of", std::abs(lag->found), lag->found_sigma,
-                        lag->is_used ? "the scale" : "only the sigma of the scale",
                         lag->is_confirmed()
                             ? ", with a larger sigma"
                             : fmt::format(" (+-{:.0f} %, as a principal point that is a little off looks the same)",
@@ -54,9 +63,8 @@ std::string StabilisationWarning(const ScaleEstimate& estimate) {
     text += fmt::format(
         "they begin to turn before the car does, and turn on after it, by which{} the scale may be off by {:.0f} % or "
         "more; ",
-        estimate.image_lag ? "" : ", or by a lag that the turns do not show,", 100 * smoothing->scale_error);
-  return text +
-         "record without image stabilisation, or give the measured height of the camera instead of the lever arm";
+        lag ? "" : ", or by a lag that the turns do not show,", 100 * smoothing->scale_error);
+  return text + remedy;
 }
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
