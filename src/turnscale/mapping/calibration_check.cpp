@@ -276,7 +276,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const { return EstimateHolding(H
 std::optional<ShutterReadout> CalibrationCheck::Readout(const CameraModel& camera) const {
   constexpr int kEntry = IntrinsicsChange::kReadout;
   const IntrinsicsEstimate estimate = Estimate();
-  if (estimate.Holds(IntrinsicsChange::kReadout)) return std::nullopt;
+  if (estimate.Holds(IntrinsicsChange::kReadout) || !Contradictions(camera).empty()) return std::nullopt;
   return ShutterReadout{estimate.change[kEntry], std::sqrt(estimate.covariance(kEntry, kEntry)), camera.read_direction};
 }
 
@@ -399,15 +399,17 @@ std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraMode
 }
 
 CalibrationVerdict CalibrationCheck::Verdict(const CameraModel& camera) const {
-  if (!Contradictions(camera).empty()) return CalibrationVerdict::kContradicted;
   if (windows_.empty()) return CalibrationVerdict::kNotContradicted;
+  const std::vector<ParameterEstimate> parameters = Parameters(camera);
+  const auto contradicts = [&](const ParameterEstimate& estimate) { return Contradicts(estimate); };
+  if (std::ranges::any_of(parameters, contradicts)) return CalibrationVerdict::kContradicted;
   // A turn shows little of the aspect.
   const auto is_in_doubt = [&](const ParameterEstimate& estimate) {
     return estimate.parameter != IntrinsicsParameter::kPixelAspect &&
            std::abs(estimate.found - estimate.given) > options_.doubt * estimate.sigma;
   };
-  return std::ranges::any_of(Parameters(camera), is_in_doubt) ? CalibrationVerdict::kInDoubt
-                                                              : CalibrationVerdict::kNotContradicted;
+  return std::ranges::any_of(parameters, is_in_doubt) ? CalibrationVerdict::kInDoubt
+                                                      : CalibrationVerdict::kNotContradicted;
 }
 
 }  // namespace turnscale

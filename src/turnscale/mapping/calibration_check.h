@@ -142,7 +142,7 @@ class CalibrationCheck {
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error. The pixels'
   /// aspect and the readout are as expected unless the windows contradict that.
   IntrinsicsEstimate Estimate() const;
-  /// Empty if the images show none. `camera`: that of the windows.
+  /// Empty if the images show none, or contradict the calibration: a wrong camera may look like a rolling shutter.
   std::optional<ShutterReadout> Readout(const CameraModel& camera) const;
   /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. Without the
   /// pixels' aspect where it is not estimated, or is none that occurs. `camera`: that of the windows, with the radial

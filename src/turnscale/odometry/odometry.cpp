@@ -151,7 +151,8 @@ void Odometry::Finish() {
   Readjust();
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
-  if (const std::optional<ShutterReadout> readout = ReadoutOfDrive()) map_.camera.readout = readout->seconds;
+  if (const std::optional<ShutterReadout> readout = calibration_check().Readout(map_.camera))
+    map_.camera.readout = readout->seconds;
   AdjustWholeDrive();
   refined_ = Refined();
   const bool uses_single_turns = refined_->estimate && refined_->estimate->uses_single_turns;
@@ -423,21 +424,14 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
 
 ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined_) : scale_.state(); }
 
-std::optional<ShutterReadout> Odometry::ReadoutOfDrive() const {
-  const CalibrationCheck check = calibration_check();
-  // A wrong camera may look like a rolling shutter.
-  return check.Contradictions(map_.camera).empty() ? check.Readout(map_.camera) : std::nullopt;
-}
-
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const CalibrationCheck check = calibration_check();
-  const std::vector<ParameterEstimate> contradictions = check.Contradictions(map_.camera);
   RefinedScale refined = scale_.Refine(map_, check.Verdict(map_.camera));
-  WidenForCalibration(contradictions, map_.camera, refined);
+  WidenForCalibration(check.Contradictions(map_.camera), map_.camera, refined);
   refined.calibration_windows = check.windows();
   refined.aspect_sigma = map_.camera.aspect_sigma;
-  refined.readout = ReadoutOfDrive();
+  refined.readout = check.Readout(map_.camera);
   if (refined.readout) refined.readout->is_corrected = map_.camera.readout != 0;
   BridgeGapsOf(refined);
   return refined;

@@ -147,8 +147,6 @@ class Odometry {
   void CorrectLens(double radial_correction);
   /// Applies pending work, then readjusts the remaining keyframes at once.
   void Readjust();
-  /// The readout time of the camera's rows, if the images of turns show one and agree with the calibration.
-  std::optional<ShutterReadout> ReadoutOfDrive() const;
   /// Adjusts all keyframes of the archived drive.
   void AdjustWholeDrive();
   /// Scales the archived drive to metres by constraints on the lengths of turns.
