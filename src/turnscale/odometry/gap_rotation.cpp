@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <set>
 #include <vector>
 
 #include "turnscale/base/check_part.h"
@@ -28,21 +29,60 @@ struct Matches {
   double max_error = 0;  // pixels; of a distance to the epipolar line
 
   int count() const { return static_cast<int>(first.size()); }
+  void Add(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    first.push_back(a);
+    second.push_back(b);
+  }
 };
 
-// Of the scene, as far as is known.
-Matches MatchedPixels(const GapRotationOptions& options, const CameraModel& camera, const DescribedKeypoints& first,
-                      const DescribedKeypoints& second, bool car_stood) {
-  const double scale = std::max(first.scale, second.scale);
-  Matches matches;
-  matches.max_error = options.max_epipolar_error * scale;
-  for (const KeypointMatch& match : MatchKeypoints(options.keypoints, first, second)) {
-    if (!car_stood && cv::norm(match.second - match.first) <= options.max_still_motion * scale) continue;
+struct PixelOrder {
+  bool operator()(const cv::Point2f& a, const cv::Point2f& b) const { return a.x != b.x ? a.x < b.x : a.y < b.y; }
+};
+using PixelSet = std::set<cv::Point2f, PixelOrder>;
+
+// An image with what is known to be far away in it: keypoints that have moved since an earlier view as its rotation
+// moves them.
+struct GapView {
+  DescribedKeypoints keypoints;
+  PixelSet far;
+};
+
+PixelSet FarPixels(const GapRotationOptions& options, const CameraModel& camera, const DescribedKeypoints& earlier,
+                   const DescribedKeypoints& now, const Eigen::Quaterniond& now_from_earlier) {
+  const double reach = options.max_still_motion * std::max(earlier.scale, now.scale);
+  PixelSet far;
+  for (const KeypointMatch& match : MatchKeypoints(options.keypoints, earlier, now)) {
+    if (cv::norm(match.second - match.first) <= 2 * reach) continue;
+    const std::optional<Eigen::Vector2d> then = camera.Undistort({match.first.x, match.first.y});
+    const std::optional<Eigen::Vector2d> seen = camera.Undistort({match.second.x, match.second.y});
+    if (!then || !seen) continue;
+    const Eigen::Vector3d expected = now_from_earlier * camera.pinhole.Ray(*then).normalized();
+    if ((expected - camera.pinhole.Ray(*seen).normalized()).norm() * camera.pinhole.fx <= reach)
+      far.insert(match.second);
+  }
+  return far;
+}
+
+// Of the scene, as far as is known, and those of them that are far away.
+struct SceneMatches {
+  Matches all;
+  Matches far;
+};
+
+SceneMatches MatchedPixels(const GapRotationOptions& options, const CameraModel& camera, const GapView& first,
+                           const DescribedKeypoints& second, bool car_stood) {
+  const double scale = std::max(first.keypoints.scale, second.scale);
+  SceneMatches matches;
+  matches.all.max_error = matches.far.max_error = options.max_epipolar_error * scale;
+  for (const KeypointMatch& match : MatchKeypoints(options.keypoints, first.keypoints, second)) {
+    const bool stands_still = cv::norm(match.second - match.first) <= options.max_still_motion * scale;
+    const bool is_far = first.far.contains(match.first);
+    if (stands_still && !car_stood && !is_far) continue;
     const std::optional<Eigen::Vector2d> a = camera.Undistort({match.first.x, match.first.y});
     const std::optional<Eigen::Vector2d> b = camera.Undistort({match.second.x, match.second.y});
     if (!a || !b) continue;
-    matches.first.push_back(*a);
-    matches.second.push_back(*b);
+    matches.all.Add(*a, *b);
+    if (is_far) matches.far.Add(*a, *b);
   }
   return matches;
 }
@@ -123,13 +163,16 @@ bool IsMotionOfCar(const GapRotationOptions& options, const RigidTransform& seco
 
 // Of the second image from the first.
 std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& options, const CameraModel& camera,
-                                                  const DescribedKeypoints& first, const DescribedKeypoints& second,
+                                                  const GapView& first, const DescribedKeypoints& second,
                                                   bool car_stood, const Mount& mount) {
   const Pinhole& pinhole = camera.pinhole;
-  const Matches matches = MatchedPixels(options, camera, first, second, car_stood);
+  const auto [matches, far] = MatchedPixels(options, camera, first, second, car_stood);
+  for (const Matches& each : {far, matches}) {
+    if (each.count() < options.min_matches) continue;
+    if (const auto rotation = RotationAlone(options, pinhole, each))
+      return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
+  }
   if (matches.count() < options.min_matches) return std::nullopt;
-  if (const auto rotation = RotationAlone(options, pinhole, matches))
-    return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
   const EssentialMotion motion = FindEssentialMotion(pinhole, matches.first, matches.second, matches.max_error);
   const auto agreeing = static_cast<std::size_t>(std::ranges::count(motion.inlier, 1));
   if (!AreEnough(options, agreeing, options.min_match_share, matches)) return std::nullopt;
@@ -157,16 +200,22 @@ void GapRotationOptions::Check() const {
 std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options, const CameraModel& camera,
                                               const GapImages& images, const cv::Mat& mask, const Mount& mount) {
   const auto describe = [&](const cv::Mat& gray) { return DescribeKeypoints(options.keypoints, gray, mask); };
-  const auto between = [&](const DescribedKeypoints& first, const DescribedKeypoints& second) {
+  const DescribedKeypoints earlier = images.earlier.gray.empty() ? DescribedKeypoints{} : describe(images.earlier.gray);
+  const auto view = [&](const cv::Mat& gray, const Eigen::Quaterniond& now_from_earlier) {
+    GapView view{.keypoints = describe(gray), .far = {}};
+    if (!earlier.pixels.empty()) view.far = FarPixels(options, camera, earlier, view.keypoints, now_from_earlier);
+    return view;
+  };
+  const auto between = [&](const GapView& first, const DescribedKeypoints& second) {
     return RotationBetween(options, camera, first, second, images.car_stood, mount);
   };
-  const DescribedKeypoints before = describe(images.before);
+  const GapView before = view(images.before, images.earlier.now_from_then);
   const DescribedKeypoints after = describe(images.after);
   if (const auto direct = between(before, after)) return GapRotation{*direct, kSigma};
   if (images.lost.empty()) return std::nullopt;
-  const DescribedKeypoints lost = describe(images.lost);
-  const auto lost_from_before = between(before, lost);
-  const auto after_from_lost = lost_from_before ? between(lost, after) : std::nullopt;
+  const auto lost_from_before = between(before, describe(images.lost));
+  if (!lost_from_before) return std::nullopt;
+  const auto after_from_lost = between(view(images.lost, *lost_from_before * images.earlier.now_from_then), after);
   if (!after_from_lost) return std::nullopt;
   return GapRotation{*after_from_lost * *lost_from_before, std::numbers::sqrt2 * kSigma};
 }

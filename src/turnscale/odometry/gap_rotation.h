@@ -8,6 +8,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/keypoint_matching.h"
+#include "turnscale/odometry/turned_views.h"
 
 namespace turnscale {
 
@@ -20,8 +21,9 @@ struct GapRotationOptions {
   double max_epipolar_error = 1.0;
   /// A match that has moved by no more than this across the gap is left out unless the car stood, pixels: the
   /// dashboard, reflections and burnt-in text stand still in the image however the car has turned, and would outvote
-  /// the scene. Of what a car passes, only far points straight ahead are left out with them. Above the reach of a
-  /// rotation, which is twice the distance above: what is left does not agree with standing still.
+  /// the scene. Far points straight ahead stand still too: those are kept of which an earlier view shows that they move
+  /// in the image as the camera turns. Above the reach of a rotation, which is twice the distance above: what is left
+  /// does not agree with standing still.
   double max_still_motion = 3.0;
   /// Least number of matches that agree with the motion.
   int min_matches = 20;
@@ -44,10 +46,11 @@ struct GapRotationOptions {
 
 /// Images on both sides of a gap in the tracking, 8-bit gray.
 struct GapImages {
-  cv::Mat before;          ///< the last one that was tracked
-  cv::Mat lost;            ///< the first one that was not; may be empty
-  cv::Mat after;           ///< the first view of the map after the gap
-  bool car_stood = false;  ///< before the gap and after it
+  cv::Mat before;            ///< the last one that was tracked
+  cv::Mat lost = {};         ///< the first one that was not; may be empty
+  cv::Mat after;             ///< the first view of the map after the gap
+  EarlierView earlier = {};  ///< than `before`, if there is one from another direction
+  bool car_stood = false;    ///< before the gap and after it
 };
 
 /// Rotation of the camera across a gap.
@@ -58,7 +61,7 @@ struct GapRotation {
 
 /// Measures the rotation by keypoints that the images before and after the gap share, or else by way of the lost one.
 /// Empty where they do not have enough of the scene in common: what stands still in the image is none of it, unless the
-/// car stood. `mask`: as ImageMask::pixels.
+/// car stood or an earlier view tells. `mask`: as ImageMask::pixels.
 std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options, const CameraModel& camera,
                                               const GapImages& images, const cv::Mat& mask, const Mount& mount);
 

@@ -109,6 +109,44 @@ TEST(GapRotation, ADashboardIsNoneOfTheScene) {
   EXPECT_LT(DegreesBetween(*turned, after.rotation), 0.5);
 }
 
+TEST(GapRotation, FarPointsStandStillOnAStraight) {
+  constexpr double kTurn = 0.07;
+  constexpr int kRow = 150;
+  const auto at = [](double turn) { return WithDashboard(Seen(At(0, 0, turn)), kRow); };
+  const Eigen::Quaterniond turned = At(0, 0, kTurn).rotation.conjugate();
+  const cv::Mat elsewhere = WithDashboard(Boards(50).Seen(SmallCamera(), At(0, 0, 0)), kRow);
+  const cv::Mat before = at(0);
+  EXPECT_FALSE(Measured({.before = before, .after = at(0)})) << "all that stands still may be the dashboard";
+  const auto straight = Measured({.before = before, .after = at(0), .earlier = {at(kTurn), turned}});
+  ASSERT_TRUE(straight) << "the camera had turned towards what stands still now";
+  EXPECT_LT(DegreesBetween(*straight, kLevel), 0.1);
+  EXPECT_FALSE(Measured({.before = before, .after = elsewhere, .earlier = {at(kTurn), turned}}))
+      << "the dashboard stood still then, too";
+  EXPECT_FALSE(Measured({.before = before, .after = at(0), .earlier = {at(kTurn), kLevel}}))
+      << "what moves otherwise than by the rotation is not far away";
+  const auto by_way = Measured({.before = before, .lost = at(0), .after = at(0), .earlier = {at(kTurn), turned}});
+  ASSERT_TRUE(by_way);
+  EXPECT_LT(DegreesBetween(*by_way, kLevel), 0.1);
+}
+
+TEST(GapRotation, FarPointsTellItWhereNearOnesMislead) {
+  constexpr double kTurn = 0.07;
+  constexpr int kRow = 110;
+  // What is below the far scene seems to move sideways, as where each thing in a row is taken for the next.
+  const auto seen = [](double turn, double sideways) {
+    cv::Mat image = Boards(50).Seen(SmallCamera(), At(sideways, 0.2 * sideways, turn));
+    Seen(At(0, 0, turn)).rowRange(0, kRow).copyTo(image.rowRange(0, kRow));
+    return image;
+  };
+  const cv::Mat before = seen(0, 0);
+  const cv::Mat after = seen(-0.05, 1);
+  EXPECT_FALSE(Measured({.before = before, .after = after}));
+  const Eigen::Quaterniond turned = At(0, 0, kTurn).rotation.conjugate();
+  const auto rotation = Measured({.before = before, .after = after, .earlier = {seen(kTurn, 0.5), turned}});
+  ASSERT_TRUE(rotation);
+  EXPECT_LT(DegreesBetween(*rotation, At(0, 0, -0.05).rotation), 0.2);
+}
+
 TEST(GapRotation, ACameraThatMayBePitchedIsAllowedSomeTilt) {
   // Pitched by 8 degrees, which the mount does not know yet.
   const RigidTransform pitched{RotationFromVector({0.14, 0, 0}), Eigen::Vector3d::Zero()};

@@ -180,6 +180,7 @@ StartPlace Odometry::PlaceAfterGap(const InitialMap& start) const {
   const GapImages images = {.before = tracker_.latest_gray(),
                             .lost = loss_.first_lost(),
                             .after = start.first_image,
+                            .earlier = turned_views_.Before(map_, motion_.last().rotation),
                             .car_stood = tracker_.HasStood() && BeginsAtStandstill(options_.static_regions, start)};
   const auto rotation =
       MeasureGapRotation(options_.gap_rotation, map_.camera, images, mask_.pixels(), mount().current());
@@ -200,6 +201,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   const AddedStart added = AddStart(start, place, map_);
   tracker_.Start(image, added.tracks, start.CountPoints());
   mask_.LeaveOut(start.motion);
+  turned_views_.Clear();
   start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
   initializer_.reset();
   loss_.AddTracked(start.frames.back().time);
@@ -311,6 +313,7 @@ std::optional<MeasuredHeight> Odometry::ExtendMap(const FlowImage& image, FrameR
   // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(image, mask_.pixels(), corners.get(), map_);
+  turned_views_.Add(map_, image.gray);
   return height.get();
 }
 

@@ -27,6 +27,7 @@
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
 #include "turnscale/odometry/tracking_loss.h"
+#include "turnscale/odometry/turned_views.h"
 
 namespace turnscale {
 
@@ -170,6 +171,7 @@ class Odometry {
   FrameTracker tracker_;
   MotionModel motion_;
   TrackingLoss loss_;
+  TurnedViews turned_views_;
   MountJumpDetector mount_jumps_;
   Map map_;
   MapUpkeep upkeep_;

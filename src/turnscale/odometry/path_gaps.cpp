@@ -13,6 +13,13 @@ constexpr double kInterpolated = 0.15;
 constexpr double kExtrapolated = 0.4;
 // Bound of the error of a mean speed, m/s: a car's speed does not vary by more.
 constexpr double kMostSpeedSigma = 10;
+// What a corner costs over the time squared, m/s^2: per turn squared, and at most.
+constexpr double kSlowing = 0.18;
+constexpr double kMostSlowing = 0.25;
+// A longer gap has more than the corner.
+constexpr double kCornerSeconds = 5;
+// Share of the way.
+constexpr double kMostSlowingShare = 0.25;
 // A velocity is the mean over so many seconds, if the map goes on for that long.
 constexpr double kVelocitySeconds = 0.5;
 
@@ -52,6 +59,20 @@ struct GapSides {
   }
 };
 
+// What a corner takes from a way of such a length.
+double SlowingAlong(double length, double seconds, double turn) {
+  return std::min(CornerSlowing(seconds, turn), kMostSlowingShare * length);
+}
+
+// Variance of the length across a gap due to the uncertain turn in it, m^2: a car that turns more has braked more, and
+// the two ends are closer to each other along an arc.
+double TurnVariance(double length, double seconds, double turn, double turn_sigma) {
+  const auto lost = [&](double angle) {
+    return SlowingAlong(length, seconds, angle) + length * std::min(angle * angle / 24, kMostSlowingShare);
+  };
+  return std::pow(lost(turn + turn_sigma) - lost(turn), 2);
+}
+
 // The way across a gap, of which a `share` is driven as after it. Its direction is that of the prediction, which has
 // the turn in the gap. A car that starts after it goes as it does then.
 Eigen::Vector3d WayAcross(const Eigen::Vector3d& predicted, const Eigen::Vector3d& as_after, double share) {
@@ -68,6 +89,11 @@ double GapLengthSigma(double seconds, bool both_ends) {
   return seconds * std::min((both_ends ? kInterpolated : kExtrapolated) * seconds, kMostSpeedSigma);
 }
 
+double CornerSlowing(double seconds, double turn) {
+  const double counted = std::min(seconds, kCornerSeconds);
+  return counted * counted * std::min(kSlowing * turn * turn, kMostSlowing);
+}
+
 void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined) {
   MetricPath& path = refined.path;
   double variance = ends.empty() ? 0 : std::pow(GapLengthSigma(end_time - ends.back().time, false), 2);
@@ -82,8 +108,12 @@ void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end
         const double sigma_after = refined.keyframes[k].sigma;
         const GapSides sides{seconds, Excess(sigma_before, sigma_after) * predicted.squaredNorm(),
                              Excess(sigma_after, sigma_before) * (seconds * *after).squaredNorm()};
-        shift += WayAcross(predicted, seconds * *after, sides.ShareOfAfter()) - predicted;
-        variance += sides.LengthVariance();
+        Eigen::Vector3d way = WayAcross(predicted, seconds * *after, sides.ShareOfAfter());
+        const double turn = TurnBetween(map, k - 1, k);
+        const double length = way.norm();
+        if (length > 0) way *= 1 - SlowingAlong(length, seconds, turn) / length;
+        shift += way - predicted;
+        variance += sides.LengthVariance() + TurnVariance(length, seconds, turn, map.keyframes[k].gap_turn_sigma);
       } else {
         variance += std::pow(GapLengthSigma(seconds, false), 2);
       }

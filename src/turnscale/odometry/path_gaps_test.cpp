@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/path_gaps.h"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
 namespace {
@@ -81,6 +84,40 @@ TEST(BridgeGaps, ATurnInTheGapStays) {
     centres[k] = start + way + half * half * (straight[k] - straight[kFirstAfter]);
   drive.Bridge();
   EXPECT_LT((centres[kFirstAfter] - start - way).norm(), 1e-9);
+}
+
+TEST(BridgeGaps, ACarBrakesForACorner) {
+  const auto turned = [](double turn, double sigma = 0) {
+    Drive drive(5);
+    const Eigen::Quaterniond rotation = RotationFromVector({0, -turn, 0});
+    for (int k = kFirstAfter; k < CountKeyframes(drive.map); ++k)
+      drive.map.keyframes[k].camera_from_world.rotation = rotation;
+    drive.map.keyframes[kFirstAfter].gap_turn_sigma = sigma;
+    drive.Bridge();
+    return drive;
+  };
+  EXPECT_NEAR(turned(0.5).GapLength(), kGap * 10 - 0.18 * 0.25 * kGap * kGap, 1e-9);
+  EXPECT_NEAR(turned(-0.5).GapLength(), turned(0.5).GapLength(), 1e-9);
+  EXPECT_NEAR(turned(1.5).GapLength(), kGap * 10 - 0.25 * kGap * kGap, 1e-9);
+  EXPECT_NEAR(turned(1.5).refined.gap_sigma, GapLengthSigma(kGap, true), 1e-12);
+  // A turn of a radian that may be none, or nearly two.
+  const double slowing = CornerSlowing(kGap, 1.8) - CornerSlowing(kGap, 1);
+  const double chord = kGap * 10 * (1.8 * 1.8 - 1) / 24;
+  EXPECT_NEAR(turned(1, 0.8).refined.gap_sigma, std::hypot(GapLengthSigma(kGap, true), slowing + chord), 1e-9);
+}
+
+TEST(BridgeGaps, ASlowCarKeepsMostOfTheWay) {
+  constexpr double kSlow = 0.02;
+  Drive drive(5);
+  for (int k = 0; k < CountKeyframes(drive.map); ++k) {
+    RigidTransform& pose = drive.map.keyframes[k].camera_from_world;
+    pose.translation *= kSlow;
+    if (k >= kFirstAfter) pose = RigidTransform{RotationFromVector({0, 1.5, 0}), Eigen::Vector3d::Zero()} * pose;
+    drive.ends[k].centre *= kSlow;
+    drive.refined.path.centres[k] *= kSlow;
+  }
+  drive.Bridge();
+  EXPECT_NEAR(drive.GapLength(), 0.75 * kSlow * kGap * 10, 1e-9);
 }
 
 TEST(BridgeGaps, OnlyWhatIsNotMeasuredIsInterpolated) {

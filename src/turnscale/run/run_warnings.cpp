@@ -227,18 +227,29 @@ std::string MostlyMissingWarning(const PathSummary& path) {
       100 * path.missing_distance / path.distance);
 }
 
+// From when to when the path is not measured before a restart of the map, as seconds since the first frame.
+std::string GapText(const std::vector<MissingPart>& missing, double restart, double first_time) {
+  constexpr double kSameGap = 0.5;  // seconds between parts of it
+  const auto last =
+      std::find_if(missing.rbegin(), missing.rend(), [&](const MissingPart& part) { return part.from < restart; });
+  if (last == missing.rend()) return fmt::format("before {:.1f} s", restart - first_time);
+  double from = last->from;
+  for (auto part = last + 1; part != missing.rend() && part->to > from - kSameGap; ++part) from = part->from;
+  return fmt::format("from {:.1f} to {:.1f} s", from - first_time, last->to - first_time);
+}
+
 // Gaps in which the car may have turned by another angle than the path has; empty if there are none.
-std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, double first_time) {
+std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, const std::vector<MissingPart>& missing,
+                               double first_time) {
   constexpr double kLeast = 10 / kDegreesPerRadian;
   constexpr double kUnknown = 40 / kDegreesPerRadian;
   const auto count =
       std::ranges::count_if(restarts, [](const MapRestart& restart) { return restart.turn_sigma > kLeast; });
   if (count == 0) return "";
   const MapRestart& worst = *std::ranges::max_element(restarts, {}, &MapRestart::turn_sigma);
-  const double end = worst.time - first_time;
-  // The map begins only with some images after the gap.
-  const std::string where = count == 1 ? fmt::format("the gap before {:.1f} s", end)
-                                       : fmt::format("{} gaps (at worst the one before {:.1f} s)", count, end);
+  const std::string gap = GapText(missing, worst.time, first_time);
+  const std::string where =
+      count == 1 ? fmt::format("the gap {}", gap) : fmt::format("{} gaps (at worst the one {})", count, gap);
   const std::string known = count == 1 && worst.turn_sigma > kUnknown
                                 ? "is not known"
                                 : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));
@@ -267,7 +278,7 @@ std::vector<std::string> PathWarnings(const RunSummary& summary, const std::vect
   for (const ClipPart& clip : drive.ending.clips) seams.push_back(clip.start);
   warnings.push_back(ViewChangeText(FindViewChanges(frames, drive.restarts, drive.repeated, seams), first_time));
   warnings.push_back(MostlyMissingWarning(path));
-  warnings.push_back(UnknownTurnWarning(drive.restarts, first_time));
+  warnings.push_back(UnknownTurnWarning(drive.restarts, path.missing, first_time));
   warnings.push_back(ImpossibleMotionText(path.impossible, first_time));
   warnings.push_back(ImpossibleDirectionText(path.impossible_directions, first_time));
   if (path.uncertain) warnings.push_back(UncertainScaleText(SinceFirst(*path.uncertain, first_time), path.distance));

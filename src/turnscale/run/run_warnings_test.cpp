@@ -220,14 +220,23 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   DriveFacts drive;
   drive.given.first_time = 100;
   drive.restarts = {{.frame = 20, .time = 103, .turn_sigma = 0.01}, {.frame = 90, .time = 112.5, .turn_sigma = 0.35}};
-  const std::vector<FrameResult> frames = PathFrames(8, 1);
+  std::vector<FrameResult> frames = PathFrames(8, 1);
   const std::vector<std::string> warnings = SummaryOf(drive, frames, {}).warnings;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("the gap before 12.5 s is only known to about +-20 deg"), std::string::npos)
       << warnings[0];
   EXPECT_TRUE(warnings[0].ends_with("as where the car turned a corner in the gap")) << warnings[0];
+  // The image at 0.3 s is lost, and none follows for some seconds.
+  for (size_t i = 0; i < frames.size(); ++i) frames[i].time += i < 4 ? 100 : 112.1;
+  frames[3].state = TrackingState::kBridged;
+  drive.restarts[1].time = frames[4].time;
+  const auto says = [&](const std::string& words) {
+    const std::vector<std::string> all = SummaryOf(drive, frames, {}).warnings;
+    return std::ranges::any_of(all, [&](const std::string& warning) { return warning.find(words) != warning.npos; });
+  };
+  EXPECT_TRUE(says("the gap from 0.3 to 12.5 s is only known to about +-20 deg"));
   drive.restarts[1].turn_sigma = 0.1;
-  EXPECT_TRUE(SummaryOf(drive, frames, {}).warnings.empty());
+  EXPECT_FALSE(says("the direction of travel"));
 }
 
 TEST(RunWarnings, DoubtsAKnockWhereTheCalibrationIsWrong) {
