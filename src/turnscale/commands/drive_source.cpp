@@ -364,6 +364,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                                .rotated = arguments.rotate,
                                .blending = blending,
                                .contradicted_calibration = scale.contradicted_calibration,
+                               .doubtful_calibration = {},
                                .is_calibration_refined = estimate.found.has_value(),
                                .has_distortion = images.camera.lens != LensModel::kPinhole,
                                .consequences = {}};

@@ -45,6 +45,8 @@ constexpr double kNonlinearAspect = 0.25;
 constexpr double kMostAspect = 1.1;
 // The latest windows, half a megabyte each, can be linearised again.
 constexpr size_t kKeptWindows = 12;
+// Relative standard deviation of a focal length beyond which an error of 15 % may go unnoticed.
+constexpr double kUndetermined = 0.05;
 // From one look to the next, at most, in halves of a window.
 constexpr int kLongestInterval = 8;
 
@@ -369,9 +371,13 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
 }
 
 bool CalibrationCheck::Contradicts(const ParameterEstimate& estimate) const {
+  return Deviates(estimate, options_.significance);
+}
+
+bool CalibrationCheck::Deviates(const ParameterEstimate& estimate, double significance) const {
   const Eigen::Vector2d centre = CentreShift(given_, options_.min_centre_error_deg);
   const auto exceeds = [&](double error, double least, double sigma) {
-    return error > least && error > options_.significance * sigma;
+    return error > least && error > significance * sigma;
   };
   const double error = std::abs(estimate.found - estimate.given);
   switch (estimate.parameter) {
@@ -398,11 +404,27 @@ std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraMode
   return contradictions;
 }
 
+std::vector<ParameterEstimate> CalibrationCheck::Doubts(const CameraModel& camera) const {
+  if (windows_.empty()) return {};
+  std::vector<ParameterEstimate> doubts = Parameters(camera);
+  std::erase_if(doubts, [&](const ParameterEstimate& estimate) {
+    return estimate.parameter == IntrinsicsParameter::kPixelAspect || Contradicts(estimate) ||
+           !Deviates(estimate, options_.doubt);
+  });
+  return doubts;
+}
+
+bool CalibrationCheck::DeterminesFocalLength() const {
+  constexpr int kEntry = IntrinsicsChange::kLogFocal;
+  return std::sqrt(Estimate().covariance(kEntry, kEntry)) <= kUndetermined;
+}
+
 CalibrationVerdict CalibrationCheck::Verdict(const CameraModel& camera) const {
   if (windows_.empty()) return CalibrationVerdict::kNotContradicted;
   const std::vector<ParameterEstimate> parameters = Parameters(camera);
   const auto contradicts = [&](const ParameterEstimate& estimate) { return Contradicts(estimate); };
   if (std::ranges::any_of(parameters, contradicts)) return CalibrationVerdict::kContradicted;
+  if (!DeterminesFocalLength()) return CalibrationVerdict::kInDoubt;
   // A turn shows little of the aspect.
   const auto is_in_doubt = [&](const ParameterEstimate& estimate) {
     return estimate.parameter != IntrinsicsParameter::kPixelAspect &&

@@ -152,10 +152,18 @@ class CalibrationCheck {
   bool Contradicts(const ParameterEstimate& estimate) const;
   /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
-  /// In doubt if focal length, principal point or distortion deviate by more than `doubt` standard deviations.
+  /// Those that deviate by as much, but only by more than `doubt` standard deviations; without the pixels' aspect.
+  std::vector<ParameterEstimate> Doubts(const CameraModel& camera) const;
+  /// Whether the images of turns show the focal length well enough for a test.
+  bool DeterminesFocalLength() const;
+  /// In doubt if focal length, principal point or distortion deviate by more than `doubt` standard deviations, or the
+  /// focal length is not determined.
   CalibrationVerdict Verdict(const CameraModel& camera) const;
 
  private:
+  /// Whether an error is worth a report, and more than so many standard deviations.
+  bool Deviates(const ParameterEstimate& estimate, double significance) const;
+
   using Entries = std::vector<IntrinsicsChange::Entry>;
   /// The evidence of a window.
   struct Reading {

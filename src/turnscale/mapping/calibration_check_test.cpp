@@ -106,6 +106,34 @@ TEST(CalibrationCheck, AnErrorTooSmallForAReportLeavesTheCalibrationInDoubt) {
   EXPECT_EQ(CalibrationCheck({}, kTestPinhole).Verdict(WithCorrection()), CalibrationVerdict::kNotContradicted);
 }
 
+TEST(CalibrationCheck, ADoubtIsLargeAndLessThanAContradiction) {
+  const auto check_of = [](double pixels) {
+    CalibrationCheckOptions options;
+    options.significance = 15;
+    return CheckAlong(WrongMap(kRightAndLeft, Change(0, pixels, 0, 0), 0.3, 3), options);
+  };
+  EXPECT_TRUE(check_of(0).Doubts(WithCorrection()).empty());
+  EXPECT_TRUE(check_of(5).Doubts(WithCorrection()).empty()) << "too small for a report";
+  const CalibrationCheck check = check_of(25);
+  EXPECT_TRUE(check.Contradictions(WithCorrection()).empty());
+  const std::vector<ParameterEstimate> doubts = check.Doubts(WithCorrection());
+  ASSERT_EQ(doubts.size(), 1u);
+  EXPECT_EQ(doubts[0].parameter, IntrinsicsParameter::kCentreX);
+  EXPECT_TRUE(CheckAlong(WrongMap(kRightAndLeft, Change(0, 25, 0, 0), 0.3, 3)).Doubts(WithCorrection()).empty())
+      << "contradicted";
+}
+
+TEST(CalibrationCheck, AFocalLengthThatIsNotDeterminedIsInDoubt) {
+  EXPECT_FALSE(CalibrationCheck({}, kTestPinhole).DeterminesFocalLength()) << "no window";
+  EXPECT_TRUE(CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0), 0.3, 3)).DeterminesFocalLength());
+  CalibrationCheckOptions options;
+  options.pixel_sigma_inflation = 500;
+  const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0), 0.3, 3), options);
+  ASSERT_GT(check.windows(), 0);
+  EXPECT_FALSE(check.DeterminesFocalLength());
+  EXPECT_EQ(check.Verdict(WithCorrection()), CalibrationVerdict::kInDoubt);
+}
+
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
   const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0.015), 0.3, 4));
   const ParameterEstimate distortion = Of(IntrinsicsParameter::kDistortion, check);

@@ -431,8 +431,10 @@ RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const CalibrationCheck check = calibration_check();
   RefinedScale refined = scale_.Refine(map_, check.Verdict(map_.camera));
-  WidenForCalibration(check.Contradictions(map_.camera), map_.camera, refined);
+  WidenForCalibration(check.Contradictions(map_.camera), check.Doubts(map_.camera), map_.camera, refined);
   refined.calibration_windows = check.windows();
+  refined.calibration_in_doubt = check.windows() > 0 && refined.contradicted_calibration.empty() &&
+                                 (!refined.doubtful_calibration.empty() || !check.DeterminesFocalLength());
   refined.aspect_sigma = map_.camera.aspect_sigma;
   refined.readout = check.Readout(map_.camera);
   if (refined.readout) refined.readout->is_corrected = map_.camera.readout != 0;

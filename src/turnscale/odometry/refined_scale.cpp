@@ -55,10 +55,12 @@ void WidenScale(double sigma, RefinedScale& refined) {
   refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, sigma);
 }
 
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
+                         const std::vector<ParameterEstimate>& doubts, const CameraModel& camera,
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
-  WidenScale(CalibrationSigma(contradictions, camera), refined);
+  if (contradictions.empty()) refined.doubtful_calibration = doubts;
+  WidenScale(CalibrationSigma(contradictions.empty() ? doubts : contradictions, camera), refined);
 }
 
 }  // namespace turnscale

@@ -35,6 +35,9 @@ struct RefinedScale {
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
+  /// Those that may be, where none is; likewise (CalibrationCheck::Doubts).
+  std::vector<ParameterEstimate> doubtful_calibration;
+  bool calibration_in_doubt = false;  ///< for that reason, or as the turns do not determine the focal length
   double calibration_sigma = 0;  ///< CalibrationSigma and what WidenScale has added; the sigmas of the scale include it
   double aspect_sigma = 0;       ///< of the pixels, relative (CameraModel): of heights above the road alone
   int calibration_windows = 0;   ///< parts of turns in which the intrinsics were tested
@@ -53,8 +56,9 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, co
 /// Adds a relative standard deviation to all sigmas of the scale, in quadrature.
 void WidenScale(double sigma, RefinedScale& refined);
 
-/// The same with CalibrationSigma.
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
+/// The same with CalibrationSigma of the contradictions, or else of the doubts.
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
+                         const std::vector<ParameterEstimate>& doubts, const CameraModel& camera,
                          RefinedScale& refined);
 
 }  // namespace turnscale

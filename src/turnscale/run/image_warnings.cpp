@@ -55,17 +55,20 @@ std::string Listed(const std::vector<std::string>& parts) {
   return text;
 }
 
-// Where the images of turns contradict the calibration. One line, as all of it has one remedy.
+// Where the images of turns contradict the calibration, or leave it in doubt. One line, as all of it has one remedy.
 std::string ContradictionText(const ImageFindings& findings) {
+  const bool is_in_doubt = findings.contradicted_calibration.empty();
+  const std::vector<ParameterEstimate>& estimates =
+      is_in_doubt ? findings.doubtful_calibration : findings.contradicted_calibration;
   std::string found;
   bool is_aspect = false;
-  for (const ParameterEstimate& estimate : findings.contradicted_calibration) {
-    if (FollowsFromFocalLength(estimate, findings.contradicted_calibration)) continue;
+  for (const ParameterEstimate& estimate : estimates) {
+    if (FollowsFromFocalLength(estimate, estimates)) continue;
     found += (found.empty() ? "" : ", and ") + FoundText(estimate, findings.has_distortion);
     is_aspect = is_aspect || estimate.parameter == IntrinsicsParameter::kPixelAspect;
   }
   return fmt::format(
-      "the images taken in turns give {}: check {}{}", found,
+      "the images taken in turns {} {}: check {}{}", is_in_doubt ? "suggest" : "give", found,
       is_aspect ? "whether the video was squeezed or stretched" : "that the calibration belongs to this camera",
       findings.is_calibration_refined ? "" : ", or have it estimated with --camera-refine");
 }
@@ -85,7 +88,8 @@ std::vector<std::string> ImageWarnings(const ImageFindings& findings, double fir
   if (findings.is_upside_down) warnings.push_back(UpsideDownText(findings.rotated));
   if (blending) warnings.push_back(FrameBlendingText(SinceFirst(*blending, first_time), blending_error));
   // Both make images contradict a right calibration, too.
-  if (findings.is_upside_down || findings.contradicted_calibration.empty()) return warnings;
+  const bool is_suspect = !findings.contradicted_calibration.empty() || !findings.doubtful_calibration.empty();
+  if (findings.is_upside_down || !is_suspect) return warnings;
   warnings.push_back(ContradictionText(findings));
   if (!calibration_error.empty()) warnings.back() += "; " + calibration_error;
   if (!findings.consequences.empty()) warnings.back() += "; this may also be why " + Listed(findings.consequences);

@@ -16,6 +16,7 @@ struct ImageFindings {
   int rotated = 0;  ///< degrees clockwise, by `--rotate`
   std::optional<FrameBlending> blending;
   std::vector<ParameterEstimate> contradicted_calibration;  ///< by the images of turns
+  std::vector<ParameterEstimate> doubtful_calibration;      ///< likewise, less clearly; where none is contradicted
   bool is_calibration_refined = false;                      ///< it was estimated from the drive
   bool has_distortion = true;                               ///< it has the distortion of a lens
   /// What else is wrong with the drive, and may follow from a contradicted calibration: parts of a sentence.

@@ -48,6 +48,18 @@ TEST(ImageWarnings, OneLineSaysWhatContradictsTheCalibrationAndWhatFollows) {
       << warnings[0];
 }
 
+TEST(ImageWarnings, ADoubtIsSaidWhereNothingIsContradicted) {
+  ImageFindings findings;
+  findings.doubtful_calibration = {
+      {.parameter = IntrinsicsParameter::kFocalLength, .given = 300, .found = 520, .sigma = 100}};
+  EXPECT_TRUE(
+      Warnings(findings)[0].starts_with("the images taken in turns suggest a focal length of 520 +-1e+02 pixels, but "
+                                        "the calibration has 300: check that"))
+      << Warnings(findings)[0];
+  findings.contradicted_calibration = Contradicted().contradicted_calibration;
+  EXPECT_EQ(Warnings(findings), Warnings(Contradicted()));
+}
+
 TEST(ImageWarnings, ADistortionThatFollowsFromTheFocalLengthIsNotNamed) {
   ImageFindings findings = Contradicted();
   findings.has_distortion = false;

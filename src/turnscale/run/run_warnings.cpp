@@ -190,13 +190,18 @@ std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const CarSumm
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
-  const ImageFindings images{.is_upside_down = drive.images.is_upside_down,
-                             .rotated = drive.given.rotate,
-                             .blending = drive.images.blending,
-                             .contradicted_calibration = scale.contradicted_calibration,
-                             .is_calibration_refined = drive.given.found_camera.has_value(),
-                             .has_distortion = drive.camera.lens_model != LensModel::kPinhole,
-                             .consequences = ConsequencesOfCalibration(drive, car, scale)};
+  // A small doubt is part of sigma, and no news.
+  constexpr double kLargeDoubt = 0.2;
+  const bool is_doubtful = scale.calibration_sigma > kLargeDoubt;
+  const ImageFindings images{
+      .is_upside_down = drive.images.is_upside_down,
+      .rotated = drive.given.rotate,
+      .blending = drive.images.blending,
+      .contradicted_calibration = scale.contradicted_calibration,
+      .doubtful_calibration = is_doubtful ? scale.doubtful_calibration : std::vector<ParameterEstimate>{},
+      .is_calibration_refined = drive.given.found_camera.has_value(),
+      .has_distortion = drive.camera.lens_model != LensModel::kPinhole,
+      .consequences = ConsequencesOfCalibration(drive, car, scale)};
   return ImageWarnings(images, drive.given.first_time, "the scale may be wrong", scale_error);
 }
 

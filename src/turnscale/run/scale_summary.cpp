@@ -74,6 +74,7 @@ ScaleSummary ScaleSummaryOf(const DriveFacts& drive, const std::vector<FrameResu
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
   summary.calibration_windows = scale.calibration_windows;
   summary.readout = scale.readout;
+  summary.calibration_in_doubt = scale.calibration_in_doubt;
   summary.calibration_agrees = scale.contradicted_calibration.empty();
   summary.sigma_reason = SigmaReason(drive, frames, scale, path, summary);
   if (!scale.estimate) return summary;

@@ -29,6 +29,7 @@ struct ScaleSummary {
   int turns_used = 0;
   TurnTest turn_test;                             ///< consistency of the turns
   int calibration_windows = 0;                    ///< parts of turns in which the intrinsics were tested
+  bool calibration_in_doubt = false;              ///< RefinedScale's
   bool calibration_agrees = true;                 ///< with them, if there are any
   std::optional<ShutterReadout> readout;          ///< of a rolling shutter, if these show one
   std::optional<ImageLag> image_lag;              ///< of stabilised images, by the turns or known beforehand

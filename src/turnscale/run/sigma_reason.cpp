@@ -27,6 +27,7 @@ struct Contribution {
 
 std::string CauseInImages(const DriveFacts& drive, const RefinedScale& scale) {
   if (!scale.contradicted_calibration.empty()) return "the images contradict the calibration";
+  if (!scale.doubtful_calibration.empty()) return "the images leave the calibration in doubt";
   if (drive.images.blending) return "the images are blended";
   return "the focal length is not known exactly";
 }

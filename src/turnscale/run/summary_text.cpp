@@ -37,7 +37,7 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
 
 std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
   if (is_upside_down) return "not tested, as the images seem to be upside down";
-  if (scale.image_lag && !scale.image_lag->is_used) return "left in doubt by the turns";
+  if (scale.calibration_in_doubt || (scale.image_lag && !scale.image_lag->is_used)) return "left in doubt by the turns";
   if (scale.calibration_windows > 0)
     return scale.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
   std::string text = "not tested, as the drive has no sharp turn";
