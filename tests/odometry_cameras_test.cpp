@@ -63,5 +63,48 @@ TEST(OdometryCameras, OtherSizesOfTheImageGiveTheSameMetres) {
   }
 }
 
+// In the turn, the car turns by more than a degree while the rows of an image are read.
+TEST(OdometryCameras, ARollingShutterIsFoundInTurnsAndCorrected) {
+  constexpr double kReadout = 0.04;
+  const StreetDrive drive = RenderStreetDrive({.frames = kFramesOfOneTurn, .readout = kReadout});
+  const OdometryRun corrected = RunOdometry(StreetOptions(), drive);
+  ASSERT_TRUE(corrected.scale.readout);
+  EXPECT_NEAR(corrected.scale.readout->seconds, kReadout, 2 * corrected.scale.readout->sigma);
+  EXPECT_LT(corrected.scale.readout->sigma, 0.1 * kReadout);
+  EXPECT_TRUE(corrected.scale.readout->is_corrected);
+  EXPECT_TRUE(corrected.scale.contradicted_calibration.empty());
+  OdometryOptions global = StreetOptions();
+  global.calibration_check.readout_prior_sigma = 1e-6;
+  const OdometryRun uncorrected = RunOdometry(global, drive);
+  EXPECT_FALSE(uncorrected.scale.readout);
+  const double shape = MeasureRun(corrected.refined, drive.world_from_camera).shape;
+  EXPECT_LT(shape, 0.5 * MeasureRun(uncorrected.refined, drive.world_from_camera).shape);
+}
+
+// The first frames have no turn of which a readout could be read.
+TEST(OdometryCameras, AReadoutThatIsKnownIsCorrectedWithoutATurn) {
+  CameraModel camera = PlainStreetDrive(20).camera;
+  const StreetDrive drive = PlainStreetDrive(20);
+  camera.readout = 0.02;
+  camera.readout_sigma = 0.001;
+  const OdometryRun run = RunOdometry(StreetOptions(), camera, drive.images, drive.times);
+  ASSERT_TRUE(run.scale.readout);
+  EXPECT_EQ(run.scale.readout->seconds, 0.02);
+  EXPECT_TRUE(run.scale.readout->is_corrected);
+}
+
+// Of a camera that has another than the file says.
+TEST(OdometryCameras, AReadoutThatTheTurnsContradictIsReported) {
+  const StreetDrive drive = PlainStreetDrive();
+  CameraModel camera = drive.camera;
+  camera.readout = 0.04;
+  camera.readout_sigma = 0.001;
+  const OdometryRun run = RunOdometry(StreetOptions(), camera, drive.images, drive.times);
+  ASSERT_EQ(run.scale.contradicted_calibration.size(), 1U);
+  EXPECT_EQ(run.scale.contradicted_calibration[0].parameter, IntrinsicsParameter::kReadout);
+  ASSERT_TRUE(run.scale.readout);
+  EXPECT_NEAR(run.scale.readout->seconds, 0, 0.004);
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -92,6 +92,22 @@ std::vector<Block> Streets() {
   return blocks;
 }
 
+// The camera at each row of a frame.
+std::vector<RigidTransform> PosesOfRows(const StreetDrive& drive, size_t frame, double readout) {
+  const RigidTransform& at = drive.world_from_camera[frame];
+  std::vector<RigidTransform> poses(drive.camera.height, at);
+  if (readout == 0) return poses;
+  for (int y = 0; y < drive.camera.height; ++y) {
+    const double after = readout * ((y + 0.5) / drive.camera.height - 0.5);
+    const size_t other = after < 0 ? std::max<size_t>(frame, 1) - 1 : std::min(frame + 1, drive.times.size() - 1);
+    if (other == frame) continue;
+    const RigidTransform& to = drive.world_from_camera[other];
+    const double share = after / (drive.times[other] - drive.times[frame]);
+    poses[y] = {at.rotation.slerp(share, to.rotation), at.translation + share * (to.translation - at.translation)};
+  }
+  return poses;
+}
+
 }  // namespace
 
 StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options) {
@@ -133,7 +149,7 @@ std::vector<StreetDrive> RenderStreetDrives(const StreetDriveOptions& options, c
   for (size_t frame = 0; frame < plan.times.size(); ++frame) {
     const RigidTransform& pose = plan.world_from_camera[frame];
     const bool stands = frame > 0 && pose.translation == plan.world_from_camera[frame - 1].translation;
-    if (!stands) ideal = world.Render(plan.camera, rays, pose);
+    if (!stands) ideal = world.Render(plan.camera, rays, PosesOfRows(plan, frame, options.readout));
     for (size_t i = 0; i < drives.size(); ++i) {
       cv::Mat noise(ideal.size(), CV_16S);
       random[i].fill(noise, cv::RNG::NORMAL, 0, kNoise);

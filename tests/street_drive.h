@@ -28,6 +28,9 @@ struct StreetDriveOptions {
   unsigned noise = 42;   ///< seed of the noise of the images
   double k1 = 0;         ///< radial distortion of the lens; of a fisheye its first coefficient
   bool fisheye = false;  ///< an equidistant lens
+  /// Seconds from the first row to the last one, whose pose lies on the line between those of two frames. The time and
+  /// the pose of a frame are those of its middle row. At most the interval of two frames.
+  double readout = 0;
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   int standing_at = -1;     ///< frame at which the car stops
   int standing_frames = 0;  ///< for so long

@@ -124,15 +124,21 @@ float StreetWorld::Gray(const Eigen::Vector3d& origin, const Eigen::Vector3d& ra
 
 cv::Mat StreetWorld::Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
                             const RigidTransform& world_from_camera) const {
+  return Render(camera, rays, std::vector(camera.height, world_from_camera));
+}
+
+cv::Mat StreetWorld::Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
+                            const std::vector<RigidTransform>& world_from_camera) const {
   cv::Mat image(camera.height, camera.width, CV_8UC1);
-  const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
   cv::parallel_for_({0, image.rows}, [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y)
+    for (int y = rows.start; y < rows.end; ++y) {
+      const Eigen::Matrix3d rotation = world_from_camera[y].rotation.toRotationMatrix();
       for (int x = 0; x < image.cols; ++x) {
         const Eigen::Vector3d ray = rotation * rays[y * image.cols + x];
         image.at<uchar>(y, x) =
-            cv::saturate_cast<uchar>(Gray(world_from_camera.translation, ray, 1.0 / camera.pinhole.fx));
+            cv::saturate_cast<uchar>(Gray(world_from_camera[y].translation, ray, 1.0 / camera.pinhole.fx));
       }
+    }
   });
   return image;
 }

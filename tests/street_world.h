@@ -27,6 +27,9 @@ class StreetWorld {
   /// 8-bit gray image without noise. `rays` are the camera's, from PixelRays.
   cv::Mat Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
                  const RigidTransform& world_from_camera) const;
+  /// The same of a rolling shutter: each row has a pose.
+  cv::Mat Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
+                 const std::vector<RigidTransform>& world_from_camera) const;
 
  private:
   struct Hit {

@@ -137,6 +137,35 @@ void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
   SetDistortion(camera, LensModel::kRadialTangential, k);
 }
 
+struct NamedDirection {
+  const char* name;
+  ReadDirection direction;
+};
+constexpr std::array<NamedDirection, 4> kReadDirections = {
+    {{"down", {0, 1}}, {"up", {0, -1}}, {"right", {1, 0}}, {"left", {-1, 0}}}};
+
+// The readout of a rolling shutter, if the file has one.
+void SetReadout(const YamlMap& file, CameraModel& camera) {
+  constexpr double kLongestMs = 200;
+  constexpr double kSigmaIfNotStatedMs = 0.5;
+  for (const char* key : {"readout_sigma_ms", "readout_direction"})
+    if (file.Has(key) && !file.Has("readout_ms")) file.Reject(key, "needs readout_ms");
+  if (!file.Has("readout_ms")) return;
+  const double readout_ms = file.Number("readout_ms");
+  if (std::abs(readout_ms) > kLongestMs)
+    file.Reject("readout_ms", "is longer than " + NumberText(kLongestMs) + " ms, from the first row to the last one");
+  const double sigma_ms = file.Has("readout_sigma_ms") ? file.Number("readout_sigma_ms") : kSigmaIfNotStatedMs;
+  if (!(sigma_ms >= 0)) file.Reject("readout_sigma_ms", "must not be negative");
+  camera.readout = readout_ms / 1e3;
+  camera.readout_sigma = sigma_ms / 1e3;
+  if (!file.Has("readout_direction")) return;
+  const std::string name = file.Text("readout_direction");
+  const auto named = std::ranges::find(kReadDirections, name, &NamedDirection::name);
+  if (named == kReadDirections.end())
+    file.Reject("readout_direction", "is '" + Excerpt(name) + "'; give down, up, right or left");
+  camera.read_direction = named->direction;
+}
+
 CameraModel OpenCvCamera(const YamlMap& file) {
   static const Names known = {"camera_matrix",
                               "distortion_coefficients",
@@ -170,7 +199,10 @@ CameraModel OpenCvCamera(const YamlMap& file) {
                               "frame_id",
                               "focal_length_sigma",
                               "pixel_aspect_sigma",
-                              "principal_point_sigma"};
+                              "principal_point_sigma",
+                              "readout_ms",
+                              "readout_sigma_ms",
+                              "readout_direction"};
   file.AllowOnly(known);
   const std::vector<double> k = MatrixOf(file, "camera_matrix");
   if (k.size() != 9) file.Reject("camera_matrix", HoldsNumbers(k) + "; a 3x3 matrix has 9");
@@ -188,6 +220,7 @@ CameraModel OpenCvCamera(const YamlMap& file) {
   if (!(camera.focal_sigma >= 0)) file.Reject("focal_length_sigma", "must not be negative");
   if (file.Has("pixel_aspect_sigma")) camera.aspect_sigma = file.Number("pixel_aspect_sigma");
   if (!(camera.aspect_sigma >= 0)) file.Reject("pixel_aspect_sigma", "must not be negative");
+  SetReadout(file, camera);
   return camera;
 }
 
@@ -195,7 +228,7 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   static const Names known = {"camera_model", "intrinsics", "distortion_model",  "distortion_coeffs",
                               "resolution",   "rostopic",   "cam_overlaps",      "T_cam_imu",
                               "T_imu_cam",    "T_cn_cnm1",  "timeshift_cam_imu", "rolling_shutter",
-                              "line_delay"};
+                              "line_delay",   "readout_ms", "readout_sigma_ms",  "readout_direction"};
   cam.AllowOnly(known);
   if (const std::string model = cam.Text("camera_model"); model != "pinhole") {
     cam.Reject("camera_model", "'" + Excerpt(model) + "' is not supported; calibrate with 'pinhole'");
@@ -215,6 +248,7 @@ CameraModel KalibrCamera(const YamlMap& cam) {
     cam.Reject("resolution", "give [width, height] in whole pixels");
   camera.width = static_cast<int>(size[0]);
   camera.height = static_cast<int>(size[1]);
+  SetReadout(cam, camera);
   const std::string model = cam.Text("distortion_model");
   if (model == "none") return camera;
   if (model != "radtan" && model != "equidistant") {
@@ -353,7 +387,18 @@ std::string CameraFileText(const CameraModel& camera) {
          "\ndistortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(coefficients) + "\n  data: [" +
          Joined(distortion, ", ") + "]\n" +
          (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "") +
-         (camera.aspect_sigma > 0 ? "pixel_aspect_sigma: " + NumberText(camera.aspect_sigma) + "\n" : "");
+         (camera.aspect_sigma > 0 ? "pixel_aspect_sigma: " + NumberText(camera.aspect_sigma) + "\n" : "") +
+         (camera.readout == 0 ? ""
+                              : "readout_ms: " + NumberText(1e3 * camera.readout) +
+                                    "\nreadout_sigma_ms: " + NumberText(1e3 * camera.readout_sigma) + "\n") +
+         (camera.readout == 0 || camera.read_direction == ReadDirection()
+              ? ""
+              : "readout_direction: " + ReadDirectionName(camera.read_direction) + "\n");
+}
+
+std::string ReadDirectionName(const ReadDirection& direction) {
+  const auto* const named = std::ranges::find(kReadDirections, direction, &NamedDirection::direction);
+  return named == kReadDirections.end() ? "" : named->name;
 }
 
 std::string KittiCalibrationText(const Pinhole& p) {

@@ -25,8 +25,12 @@ std::string DoubtOfLens(const std::filesystem::path& path);
 void RefuseCameraFile(const YamlMap& file, const std::string& wanted = "a car's file here, such as car.yaml");
 
 /// The calibration as YAML of ROS's camera_info, which OpenCV reads too and ReadCameraFile gives back to the same bits.
-/// `focal_length_sigma` (pixels) is added where the camera has one.
+/// `focal_length_sigma` (pixels), `pixel_aspect_sigma` and the readout of a rolling shutter are added where the camera
+/// has them; the readout in milliseconds, to rounding.
 std::string CameraFileText(const CameraModel& camera);
+
+/// The word for it in a camera file: down, up, right or left.
+std::string ReadDirectionName(const ReadDirection& direction);
 
 /// KITTI's `calib.txt`: the camera stands for all four. Only for a camera whose lens has no distortion, which the file
 /// has no room for.

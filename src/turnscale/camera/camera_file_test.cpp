@@ -33,6 +33,13 @@ std::string Replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
+constexpr auto kKalibrWithReadout = R"(cam0:
+  camera_model: pinhole
+  intrinsics: [458, 457, 367, 248]
+  distortion_model: none
+  resolution: [752, 480]
+)";
+
 constexpr auto kKitti = "P0: 7.2e+02 0.0 6.1e+02 0.0 0.0 7.1e+02 1.7e+02 0.0 0.0 0.0 1.0 0.0\nP1: 1 2 3\n";
 
 const std::string kOrbSlam2 = R"(%YAML:1.0
@@ -222,6 +229,9 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameBits) {
     EXPECT_EQ(read.height, camera.height);
     EXPECT_EQ(read.focal_sigma, camera.focal_sigma);
     EXPECT_EQ(read.aspect_sigma, camera.aspect_sigma);
+    EXPECT_NEAR(read.readout, camera.readout, 1e-15);
+    EXPECT_NEAR(read.readout_sigma, camera.readout_sigma, 1e-15);
+    EXPECT_EQ(read.read_direction, camera.read_direction);
   };
   expect_same();
   camera.focal_sigma = 20.0 / 3;
@@ -232,6 +242,36 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameBits) {
   camera.lens = LensModel::kEquidistant;
   camera.distortion = {-0.01, 0.002, 0, 1e-5, 0};
   expect_same();
+  for (const ReadDirection& direction : {ReadDirection{0, 1}, {0, -1}, {1, 0}, {-1, 0}}) {
+    camera.readout = 0.02 / 3;
+    camera.readout_sigma = 0.001 / 3;
+    camera.read_direction = direction;
+    expect_same();
+  }
+  camera.readout = -0.02;
+  expect_same();
+}
+
+TEST(CameraFile, AReadoutMayBeGivenByHand) {
+  const std::string opencv = CameraFileText({.pinhole = {600, 600, 320, 180}, .width = 640, .height = 360});
+  EXPECT_EQ(opencv.find("readout"), std::string::npos) << "of a camera without";
+  EXPECT_EQ(Read(opencv).readout, 0);
+  for (const std::string& text : {opencv, std::string(kKalibrWithReadout)}) {
+    const std::string indent = text == opencv ? "" : "  ";
+    const CameraModel camera = Read(text + indent + "readout_ms: 21\n");
+    EXPECT_NEAR(camera.readout, 0.021, 1e-15);
+    EXPECT_NEAR(camera.readout_sigma, 0.0005, 1e-15) << "if it is not stated";
+    EXPECT_EQ(camera.read_direction, ReadDirection());
+    EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_direction: left\n").read_direction,
+              (ReadDirection{-1, 0}));
+    EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_sigma_ms: 0\n").readout_sigma, 0);
+  }
+  const auto complaint = [&](const std::string& lines) { return Complaint(opencv + lines); };
+  EXPECT_NE(complaint("readout_ms: 21\nreadout_direction: sideways\n").find("down, up, right or left"),
+            std::string::npos);
+  EXPECT_NE(complaint("readout_ms: 21000\n").find("readout_ms"), std::string::npos) << "microseconds";
+  EXPECT_NE(complaint("readout_ms: 21\nreadout_sigma_ms: -1\n").find("readout_sigma_ms"), std::string::npos);
+  EXPECT_NE(complaint("readout_direction: left\n").find("needs readout_ms"), std::string::npos);
 }
 
 TEST(CameraFile, KittiCalibrationReadsBackToTheSameBits) {

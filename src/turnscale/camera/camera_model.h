@@ -26,6 +26,11 @@ struct ReadDirection {
   bool operator==(const ReadDirection&) const = default;
 };
 
+/// The one along the columns where `direction` is along the rows' order: to the right, or down.
+inline ReadDirection Across(const ReadDirection& direction) {
+  return direction.x == 0 ? ReadDirection{1, 0} : ReadDirection{0, 1};
+}
+
 /// A calibrated camera: intrinsics, lens model and image size. Pixel centres are at integer coordinates.
 struct CameraModel {
   Pinhole pinhole;
@@ -43,12 +48,14 @@ struct CameraModel {
   /// Standard deviation of fy / fx, relative; 0 if the camera file does not state it.
   double aspect_sigma = 0;
 
-  ReadDirection read_direction = {};  ///< of the images, not from the camera file
+  /// Of the images: the camera file's if it states one that is not the usual.
+  ReadDirection read_direction = {};
 
   /// Readout time of a rolling shutter from the first row of the image as it was stored to the last one, along
   /// `read_direction`, seconds; below 0 if it begins with the last one, 0 of a global shutter. The time of an image is
   /// that of its middle row. Project and Undistort are of one instant.
   double readout = 0;
+  double readout_sigma = 0;  ///< standard deviation of it, seconds; 0 if it is exact, or not known
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;

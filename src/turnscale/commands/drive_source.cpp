@@ -261,7 +261,8 @@ DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& imag
   if (given.is_of_stored) given = {given.name, Rotated(given.model, arguments.rotate, full_size), false};
   const ImageScaling scaling(full_size, image_options);
   CameraModel camera = scaling.Scaled(given.model);
-  camera.read_direction = source.read_direction();
+  // Images that were rotated and encoded anew do not tell how the sensor has read them, but the file may.
+  if (camera.read_direction == ReadDirection()) camera.read_direction = source.read_direction();
   const cv::Mat mask = scaling.ScaledMask(GivenMask(arguments.mask, full_size));
   const int expected = ExpectedFrames(source.count(), arguments.max_frames);
   return {std::move(drive), std::move(given), std::move(source), full_size, scaling, camera, mask, expected};

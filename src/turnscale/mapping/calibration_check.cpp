@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "turnscale/base/check_part.h"
+#include "turnscale/bundle/reprojection.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 
@@ -108,6 +109,9 @@ double AppliedCorrection(const CameraModel& camera) {
   return weights > 0 ? sum / weights : camera.radial_correction;
 }
 
+// Of what the odometry makes the map with.
+bool IsOfCamera(const ParameterEstimate& estimate) { return estimate.parameter != IntrinsicsParameter::kReadout; }
+
 // Takes entries out of information times a minimum, or a gradient: they have the values of `at`, as seen from where
 // the vector is 0.
 void Hold(const std::vector<IntrinsicsChange::Entry>& entries, const Vector& at, Matrix& information, Vector& vector) {
@@ -153,8 +157,20 @@ void CalibrationCheckOptions::Check() const {
   Require(doubt > 0, "doubt: has to be positive");
 }
 
-CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given, const Vector& expected)
-    : options_(options), given_(given), expected_(expected), next_keyframe_(options.window - 1) {}
+std::optional<GivenReadout> ReadoutOf(const CameraModel& camera) {
+  if (camera.readout == 0) return std::nullopt;
+  return GivenReadout{camera.readout, camera.readout_sigma};
+}
+
+CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given, const Vector& expected,
+                                   const std::optional<GivenReadout>& readout)
+    : options_(options),
+      given_(given),
+      expected_(expected),
+      given_readout_(readout),
+      next_keyframe_(options.window - 1) {
+  if (given_readout_) expected_[IntrinsicsChange::kReadout] = given_readout_->seconds;
+}
 
 std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
   const int latest = CountKeyframes(map) - 1;
@@ -175,30 +191,109 @@ std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
 }
 
 bool CalibrationCheck::Read(IntrinsicsProblem& window) {
-  const IntrinsicsEstimate known = Estimate();
-  std::optional<Reading> reading = ReadingOf(window, known);
-  if (!reading) return false;
+  const IntrinsicsEstimate known = EstimateFrom(windows_);
+  // The first window begins with the correction that is applied.
+  if (!windows_.empty()) window.Change(known.change);
+  if (!Add(window, known, windows_)) return false;
   observed_radius_ = std::max(observed_radius_, window.ObservedRadius());
-  reading->window = std::make_shared<const IntrinsicsProblem>(window);
-  windows_.push_back(std::move(*reading));
-  if (windows_.size() > kKeptWindows) windows_[windows_.size() - 1 - kKeptWindows].window.reset();
-  if (known.Holds(IntrinsicsChange::kLogAspect) && !Estimate().Holds(IntrinsicsChange::kLogAspect)) ReadAgain();
+  read_direction_ = window.read_direction();
+  is_readout_contradicted_ = given_readout_ && Contradicts(ReadoutAgainstGiven());
+  if (!given_readout_) TestDirection();
   return true;
 }
 
-void CalibrationCheck::ReadAgain() {
-  const Entries held = Held();
-  std::vector<Reading> before = std::exchange(windows_, {});
+bool CalibrationCheck::Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings) const {
+  std::optional<Reading> reading = ReadingOf(window, known);
+  if (!reading) return false;
+  reading->window = std::make_shared<const IntrinsicsProblem>(window);
+  readings.push_back(std::move(*reading));
+  if (readings.size() > kKeptWindows) {
+    Reading& earlier = readings[readings.size() - 1 - kKeptWindows];
+    earlier.window.reset();
+    earlier.residuals.clear();
+  }
+  if (known.Holds(IntrinsicsChange::kLogAspect) && !EstimateFrom(readings).Holds(IntrinsicsChange::kLogAspect))
+    ReadAgain(readings);
+  return true;
+}
+
+void CalibrationCheck::ReadAgain(Readings& readings) const {
+  const Entries held = Held(readings);
+  Readings before = std::exchange(readings, {});
   for (Reading& reading : before) {
     if (reading.window) {
       IntrinsicsProblem window = *reading.window;
-      if (std::optional<Reading> again = ReadingOf(window, EstimateHolding(held))) {
+      const IntrinsicsEstimate known = EstimateHolding(readings, held);
+      if (!readings.empty()) window.Change(known.change);
+      if (std::optional<Reading> again = ReadingOf(window, known)) {
         again->window = reading.window;
         reading = std::move(*again);
       }
     }
-    windows_.push_back(std::move(reading));
+    readings.push_back(std::move(reading));
   }
+}
+
+void CalibrationCheck::TestDirection() {
+  const IntrinsicsEstimate along = EstimateFrom(windows_);
+  // Without the aspect, its part of the error is taken for something else.
+  if (options_.aspect_prior_sigma == 0 || (across_.empty() && !IsUnexpected(along))) return;
+  // They stay beside one another, of the same windows.
+  const size_t first =
+      across_.empty() ? windows_.size() - std::min(windows_.size(), kKeptWindows) : windows_.size() - 1;
+  for (size_t i = first; i < windows_.size(); ++i) {
+    IntrinsicsProblem window = *windows_[i].window;
+    window.ReadAcross();
+    const IntrinsicsEstimate known = EstimateFrom(across_);
+    Vector start = across_.empty() ? along.change : known.change;
+    for (const IntrinsicsChange::Entry entry : known.held) start[entry] = expected_[entry];
+    window.Change(start);
+    if (Add(window, known, across_)) continue;
+    // Beginning anew with the next window that is unexpected.
+    across_.clear();
+    direction_ = Direction::kAlong;
+    return;
+  }
+  direction_ = LikelyDirection();
+}
+
+CalibrationCheck::Direction CalibrationCheck::LikelyDirection() const {
+  const IntrinsicsEstimate across = EstimateFrom(across_);
+  if (across.Holds(IntrinsicsChange::kReadout)) return Direction::kAlong;
+  const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
+  Readings along(windows_.end() - static_cast<std::ptrdiff_t>(across_.size()), windows_.end());
+  double gain = Misfit(along) - Misfit(across_);
+  for (size_t i = 0; i < across_.size(); ++i) {
+    const Reading& one = along[i];
+    const Reading& other = across_[i];
+    const double sigma = std::min(one.pixel_sigma, other.pixel_sigma);
+    const auto cost = [&](double residual) {
+      return HuberCost(std::pow(residual / sigma, 2), options_.huber_threshold);
+    };
+    double difference = 0;
+    for (size_t j = 0; j < std::min(one.residuals.size(), other.residuals.size()); ++j)
+      if (std::isfinite(one.residuals[j] + other.residuals[j]))
+        difference += cost(one.residuals[j]) - cost(other.residuals[j]);
+    gain += 2 * deflation * difference;
+  }
+  const double clear = options_.significance * options_.significance;
+  if (gain > clear) return Direction::kAcross;
+  return gain > -clear ? Direction::kInDoubt : Direction::kAlong;
+}
+
+double CalibrationCheck::Misfit(const Readings& readings) const {
+  const Entries held = Held(readings);
+  const IntrinsicsEstimate estimate = EstimateHolding(readings, held);
+  const Vector off = estimate.change - expected_;
+  double misfit = off.dot(PriorCovariance().inverse() * off);
+  for (Reading reading : readings) {
+    Hold(held, expected_, reading.information, reading.weighted_minimum);
+    const Vector pull = reading.weighted_minimum - reading.information * estimate.change;
+    const double square = pull.dot(reading.information.ldlt().solve(pull));
+    const double entries = EstimatedEntries(held);
+    misfit += (kStudentDof + entries) * std::log1p(square / kStudentDof) - reading.left;
+  }
+  return misfit;
 }
 
 bool CalibrationCheck::Observe(const Map& map) {
@@ -226,8 +321,6 @@ CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, c
 std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsProblem& window,
                                                                      const IntrinsicsEstimate& known) const {
   const Matrix known_information = known.covariance.inverse();
-  // The first window begins with the correction that is applied.
-  if (!windows_.empty()) window.Change(known.change);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
     if (!window.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;
@@ -247,22 +340,27 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep) {
       Reading reading = Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
       reading.aspect = evidence->at[IntrinsicsChange::kLogAspect];
+      reading.pixel_sigma = evidence->pixel_sigma;
+      reading.left = gradient.dot(information.ldlt().solve(gradient));
+      reading.residuals = window.Residuals();
       return reading;
     }
     window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
 
-CalibrationCheck::Entries CalibrationCheck::Held() const {
+CalibrationCheck::Entries CalibrationCheck::Held(const Readings& readings) const {
   Entries held;
-  if (!Shows(IntrinsicsChange::kLogAspect, options_.min_aspect_error, held))
+  if (!Shows(IntrinsicsChange::kLogAspect, options_.min_aspect_error, readings, held))
     held.push_back(IntrinsicsChange::kLogAspect);
-  if (!Shows(IntrinsicsChange::kReadout, options_.min_readout, held)) held.push_back(IntrinsicsChange::kReadout);
+  if (!given_readout_ && !Shows(IntrinsicsChange::kReadout, options_.min_readout, readings, held))
+    held.push_back(IntrinsicsChange::kReadout);
   return held;
 }
 
-bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const {
-  const IntrinsicsEstimate estimate = EstimateHolding(held);
+bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings,
+                             const Entries& held) const {
+  const IntrinsicsEstimate estimate = EstimateHolding(readings, held);
   if (entry == IntrinsicsChange::kLogAspect && !MayHaveAspect(estimate)) return false;
   const double off = std::abs(estimate.change[entry] - expected_[entry]);
   return off > least && off > options_.significance * std::sqrt(estimate.covariance(entry, entry));
@@ -273,13 +371,48 @@ bool CalibrationCheck::MayHaveAspect(const IntrinsicsEstimate& estimate) const {
   return options_.aspect_prior_sigma > 0 && std::abs(estimate.change[kEntry] - expected_[kEntry]) <= kMostAspect;
 }
 
-IntrinsicsEstimate CalibrationCheck::Estimate() const { return EstimateHolding(Held()); }
+bool CalibrationCheck::IsUnexpected(const IntrinsicsEstimate& along) const {
+  const auto is_off = [&](const IntrinsicsEstimate& estimate, IntrinsicsChange::Entry entry) {
+    return std::abs(estimate.change[entry] - expected_[entry]) >
+           options_.doubt * std::sqrt(estimate.covariance(entry, entry));
+  };
+  const IntrinsicsEstimate with_all = EstimateHolding(windows_, {});
+  return is_off(along, IntrinsicsChange::kLogFocal) || is_off(along, IntrinsicsChange::kCentreX) ||
+         is_off(along, IntrinsicsChange::kCentreY) || is_off(with_all, IntrinsicsChange::kLogAspect) ||
+         is_off(with_all, IntrinsicsChange::kReadout);
+}
+
+IntrinsicsEstimate CalibrationCheck::Estimate() const {
+  IntrinsicsEstimate estimate = EstimateFrom(readings());
+  if (direction_ != Direction::kInDoubt) return estimate;
+  // Either camera may be the right one.
+  Vector difference = estimate.change - EstimateFrom(across_).change;
+  difference[IntrinsicsChange::kReadout] = 0;
+  estimate.covariance += difference.array().square().matrix().asDiagonal();
+  return estimate;
+}
 
 std::optional<ShutterReadout> CalibrationCheck::Readout(const CameraModel& camera) const {
+  if (windows_.empty() || std::ranges::any_of(Contradictions(camera), IsOfCamera)) {
+    if (!given_readout_) return std::nullopt;
+    return ShutterReadout{given_readout_->seconds, given_readout_->sigma, camera.read_direction};
+  }
+  return LatestReadout();
+}
+
+std::optional<ShutterReadout> CalibrationCheck::LatestReadout() const {
   constexpr int kEntry = IntrinsicsChange::kReadout;
-  const IntrinsicsEstimate estimate = Estimate();
-  if (estimate.Holds(IntrinsicsChange::kReadout) || !Contradictions(camera).empty()) return std::nullopt;
-  return ShutterReadout{estimate.change[kEntry], std::sqrt(estimate.covariance(kEntry, kEntry)), camera.read_direction};
+  const IntrinsicsEstimate estimate = EstimateFrom(readings());
+  if (windows_.empty() || estimate.Holds(IntrinsicsChange::kReadout)) return std::nullopt;
+  const double seconds = estimate.change[kEntry];
+  double sigma = std::sqrt(estimate.covariance(kEntry, kEntry));
+  // What windows get wrong alike does not make it less certain than it was.
+  if (given_readout_ && !is_readout_contradicted_) sigma = std::min(sigma, given_readout_->sigma);
+  if (!IsReadAcross()) return ShutterReadout{seconds, sigma, read_direction_};
+  // No row is stored as the first one.
+  const ReadDirection across = Across(read_direction_);
+  const int sign = seconds < 0 ? -1 : 1;
+  return ShutterReadout{std::abs(seconds), sigma, {sign * across.x, sign * across.y}};
 }
 
 ParameterEstimate CalibrationCheck::AspectOf(const IntrinsicsEstimate& estimate) const {
@@ -289,25 +422,55 @@ ParameterEstimate CalibrationCheck::AspectOf(const IntrinsicsEstimate& estimate)
   return {IntrinsicsParameter::kPixelAspect, given, found, found * std::sqrt(estimate.covariance(kEntry, kEntry))};
 }
 
-IntrinsicsEstimate CalibrationCheck::EstimateHolding(const Entries& held) const {
-  std::vector<Reading> windows = windows_;
-  for (Reading& reading : windows) Hold(held, expected_, reading.information, reading.weighted_minimum);
+double CalibrationCheck::ReadoutPriorSigma() const {
+  // A sigma of 0 has no inverse.
+  constexpr double kLeast = 1e-5;
+  if (!given_readout_ || is_readout_contradicted_) return options_.readout_prior_sigma;
+  return std::max(given_readout_->sigma, kLeast);
+}
+
+ParameterEstimate CalibrationCheck::ReadoutAgainstGiven() const {
+  constexpr int kEntry = IntrinsicsChange::kReadout;
+  const IntrinsicsEstimate alone =
+      EstimateWith(PriorCovariance(options_.readout_prior_sigma), readings(), Held(readings()));
+  return {IntrinsicsParameter::kReadout, given_readout_->seconds, alone.change[kEntry],
+          std::hypot(given_readout_->sigma, std::sqrt(alone.covariance(kEntry, kEntry)))};
+}
+
+Matrix CalibrationCheck::PriorCovariance(double readout_sigma) const {
   // Terms that are not estimated stay at zero, as nothing refers to them.
-  const Matrix prior_covariance =
-      Covariance({.focal = options_.focal_prior_sigma,
-                  .centre_deg = options_.centre_prior_sigma_deg,
-                  .correction = options_.correction_prior_sigma,
-                  .higher = options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0,
-                  .aspect = options_.aspect_prior_sigma > 0 ? options_.aspect_prior_sigma : 1.0,
-                  .readout = options_.readout_prior_sigma});
+  return Covariance({.focal = options_.focal_prior_sigma,
+                     .centre_deg = options_.centre_prior_sigma_deg,
+                     .correction = options_.correction_prior_sigma,
+                     .higher = options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0,
+                     .aspect = options_.aspect_prior_sigma > 0 ? options_.aspect_prior_sigma : 1.0,
+                     .readout = readout_sigma});
+}
+
+double CalibrationCheck::EstimatedEntries(const Entries& held) const {
+  return IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0) -
+         static_cast<double>(held.size());
+}
+
+IntrinsicsEstimate CalibrationCheck::EstimateWith(const Matrix& prior_covariance, const Readings& readings,
+                                                  const Entries& held) const {
+  struct Evidence {
+    Matrix information;
+    Vector weighted_minimum;
+    double aspect = 0;
+  };
+  std::vector<Evidence> windows;
+  for (const Reading& reading : readings) {
+    windows.push_back({reading.information, reading.weighted_minimum, reading.aspect});
+    Hold(held, expected_, windows.back().information, windows.back().weighted_minimum);
+  }
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
   estimate.change = expected_;
   estimate.covariance = prior_covariance;
   estimate.held = held;
   if (windows.empty()) return estimate;
-  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0) -
-                         static_cast<double>(held.size());
+  const double entries = EstimatedEntries(held);
   const auto count = static_cast<double>(windows.size());
   std::vector<double> weights(windows.size(), 1.0);
   double scatter = 1;
@@ -352,7 +515,7 @@ IntrinsicsEstimate CalibrationCheck::EstimateHolding(const Entries& held) const 
 }
 
 std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& camera) const {
-  const IntrinsicsEstimate estimate = Estimate();
+  const IntrinsicsEstimate estimate = EstimateFrom(readings());
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
   Vector distortion = WeightsOfDistortion(given_);
@@ -365,8 +528,9 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
       {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
        std::sqrt(distortion.dot(estimate.covariance * distortion))}};
   const bool holds_aspect = estimate.Holds(IntrinsicsChange::kLogAspect);
-  const IntrinsicsEstimate with_aspect = holds_aspect ? EstimateHolding({}) : estimate;
+  const IntrinsicsEstimate with_aspect = holds_aspect ? EstimateHolding(readings(), {}) : estimate;
   if (!holds_aspect || MayHaveAspect(with_aspect)) parameters.push_back(AspectOf(with_aspect));
+  if (given_readout_) parameters.push_back(ReadoutAgainstGiven());
   return parameters;
 }
 
@@ -393,6 +557,8 @@ bool CalibrationCheck::Deviates(const ParameterEstimate& estimate, double signif
       // Of a ratio, twice is as far off as half.
       return exceeds(std::abs(std::log(estimate.found / estimate.given)), options_.min_aspect_error,
                      estimate.sigma / estimate.found);
+    case IntrinsicsParameter::kReadout:
+      return exceeds(error, options_.min_readout, estimate.sigma);
   }
   return false;
 }
@@ -408,7 +574,7 @@ std::vector<ParameterEstimate> CalibrationCheck::Doubts(const CameraModel& camer
   if (windows_.empty()) return {};
   std::vector<ParameterEstimate> doubts = Parameters(camera);
   std::erase_if(doubts, [&](const ParameterEstimate& estimate) {
-    return estimate.parameter == IntrinsicsParameter::kPixelAspect || Contradicts(estimate) ||
+    return estimate.parameter == IntrinsicsParameter::kPixelAspect || !IsOfCamera(estimate) || Contradicts(estimate) ||
            !Deviates(estimate, options_.doubt);
   });
   return doubts;
@@ -422,12 +588,14 @@ bool CalibrationCheck::DeterminesFocalLength() const {
 CalibrationVerdict CalibrationCheck::Verdict(const CameraModel& camera) const {
   if (windows_.empty()) return CalibrationVerdict::kNotContradicted;
   const std::vector<ParameterEstimate> parameters = Parameters(camera);
-  const auto contradicts = [&](const ParameterEstimate& estimate) { return Contradicts(estimate); };
+  const auto contradicts = [&](const ParameterEstimate& estimate) {
+    return IsOfCamera(estimate) && Contradicts(estimate);
+  };
   if (std::ranges::any_of(parameters, contradicts)) return CalibrationVerdict::kContradicted;
   if (!DeterminesFocalLength()) return CalibrationVerdict::kInDoubt;
   // A turn shows little of the aspect.
   const auto is_in_doubt = [&](const ParameterEstimate& estimate) {
-    return estimate.parameter != IntrinsicsParameter::kPixelAspect &&
+    return estimate.parameter != IntrinsicsParameter::kPixelAspect && IsOfCamera(estimate) &&
            std::abs(estimate.found - estimate.given) > options_.doubt * estimate.sigma;
   };
   return std::ranges::any_of(parameters, is_in_doubt) ? CalibrationVerdict::kInDoubt

@@ -77,12 +77,12 @@ struct CalibrationCheckOptions {
   void Check() const;
 };
 
-enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion, kPixelAspect };
+enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion, kPixelAspect, kReadout };
 
 /// One parameter as given and as estimated from the drive: focal length fx and principal point in pixels, the
 /// distortion as the radial correction that the calibration lacks, with one term in r^2: the one that is closest to the
 /// estimated correction over the image. What counts as given of it is the correction that is applied. The aspect is the
-/// width of a pixel over its height, fy / fx.
+/// width of a pixel over its height, fy / fx. The readout of a rolling shutter is in seconds.
 struct ParameterEstimate {
   IntrinsicsParameter parameter = IntrinsicsParameter::kFocalLength;
   double given = 0;
@@ -98,6 +98,13 @@ struct ShutterReadout {
   ReadDirection direction = {};  ///< from the first row to the last one, in the image as it is used
   bool is_corrected = false;     ///< in the poses that go with it
 };
+
+/// The readout that a camera is known to have (CameraModel), if it is known; seconds.
+struct GivenReadout {
+  double seconds = 0;
+  double sigma = 0;
+};
+std::optional<GivenReadout> ReadoutOf(const CameraModel& camera);
 
 /// How a calibration has passed its test.
 enum class CalibrationVerdict { kNotContradicted, kInDoubt, kContradicted };
@@ -117,13 +124,18 @@ struct IntrinsicsEstimate {
 /// (IntrinsicsProblem); their evidence is summed, windows that disagree with the others are down-weighted, and their
 /// scatter widens the sigmas. Also the estimator of unknown intrinsics, with wide priors (CalibrateFromDrive).
 ///
+/// Where the windows leave what is expected in doubt, they are read once more with a readout along the columns of the
+/// image, as of a video that was rotated and encoded anew: the direction that explains them clearly better counts.
+///
 /// Reads the map and changes nothing. Works with any lens: the correction is a function of the distorted radius, which
 /// is bounded (Correct).
 class CalibrationCheck {
  public:
-  /// Of maps whose camera has the pinhole `given`. `expected`: mean of the prior of the change.
+  /// Of maps whose camera has the pinhole `given`. `expected`: mean of the prior of the change, but for a readout that
+  /// is known. That is estimated along with the others, with its own prior until the windows contradict it.
   CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given,
-                   const IntrinsicsChange::Vector& expected = IntrinsicsChange::Vector::Zero());
+                   const IntrinsicsChange::Vector& expected = IntrinsicsChange::Vector::Zero(),
+                   const std::optional<GivenReadout>& readout = std::nullopt);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
   /// it. The next one is due some keyframes later. Call it when a keyframe has come.
@@ -142,22 +154,30 @@ class CalibrationCheck {
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error. The pixels'
   /// aspect and the readout are as expected unless the windows contradict that.
   IntrinsicsEstimate Estimate() const;
-  /// Empty if the images show none, or contradict the calibration: a wrong camera may look like a rolling shutter.
+  /// Of what is known and what the images show. Empty if neither is anything, or if the images contradict the
+  /// calibration: a wrong camera may look like a rolling shutter.
   std::optional<ShutterReadout> Readout(const CameraModel& camera) const;
+  /// The same of intrinsics that are estimated: whether they contradict the ones to start with does not matter. Of
+  /// windows that were read.
+  std::optional<ShutterReadout> LatestReadout() const;
   /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. Without the
-  /// pixels' aspect where it is not estimated, or is none that occurs. `camera`: that of the windows, with the radial
-  /// correction that the map's pixels have now.
+  /// pixels' aspect where it is not estimated, or is none that occurs, and without a readout that is not known; that is
+  /// compared with what the windows alone say, and its sigma is that of the difference. `camera`: that of the windows,
+  /// with the radial correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Whether what was found is worth a report, and significant.
   bool Contradicts(const ParameterEstimate& estimate) const;
+  /// Whether a readout along the columns was tested, and explains the turns clearly better than one along the rows.
+  bool IsReadAcross() const { return direction_ == Direction::kAcross; }
   /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
-  /// Those that deviate by as much, but only by more than `doubt` standard deviations; without the pixels' aspect.
+  /// Those that deviate by as much, but only by more than `doubt` standard deviations; without the pixels' aspect and
+  /// the readout.
   std::vector<ParameterEstimate> Doubts(const CameraModel& camera) const;
   /// Whether the images of turns show the focal length well enough for a test.
   bool DeterminesFocalLength() const;
-  /// In doubt if focal length, principal point or distortion deviate by more than `doubt` standard deviations, or the
-  /// focal length is not determined.
+  /// A readout that the windows contradict does not count: theirs takes its place. In doubt if focal length, principal
+  /// point or distortion deviate by more than `doubt` standard deviations, or the focal length is not determined.
   CalibrationVerdict Verdict(const CameraModel& camera) const;
 
  private:
@@ -169,17 +189,36 @@ class CalibrationCheck {
   struct Reading {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
-    double aspect = 0;  ///< change of its log at which the window was linearised
+    double aspect = 0;       ///< change of its log at which the window was linearised
+    double pixel_sigma = 0;  ///< pixels
+    double left = 0;         ///< twice the cost above the parabola's minimum, at the end of the reading
+    std::vector<double> residuals =
+        {};  ///< at the end of the reading (IntrinsicsProblem::Residuals), of the latest ones
     std::shared_ptr<const IntrinsicsProblem> window = nullptr;  ///< of the latest ones
   };
+  using Readings = std::vector<Reading>;
+  /// In which rows follow one another: as in the camera, across it (Across), or in doubt between the two.
+  enum class Direction { kAlong, kAcross, kInDoubt };
+  /// Those that count.
+  const Readings& readings() const { return IsReadAcross() ? across_ : windows_; }
   /// What the estimate leaves as expected.
-  Entries Held() const;
+  Entries Held(const Readings& readings) const;
   /// Whether an entry is off what is expected, by more than `least` and significantly.
-  bool Shows(IntrinsicsChange::Entry entry, double least, const Entries& held) const;
+  bool Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings, const Entries& held) const;
+  /// Whether the windows leave what is expected in doubt, the distortion apart. `along`: their estimate.
+  bool IsUnexpected(const IntrinsicsEstimate& along) const;
   /// Whether the pixels' aspect is estimated, and is one that occurs.
   bool MayHaveAspect(const IntrinsicsEstimate& estimate) const;
-  /// With these entries as expected.
-  IntrinsicsEstimate EstimateHolding(const Entries& held) const;
+  /// From these readings, those of `held` as expected.
+  IntrinsicsEstimate EstimateHolding(const Readings& readings, const Entries& held) const {
+    return EstimateWith(PriorCovariance(), readings, held);
+  }
+  IntrinsicsEstimate EstimateWith(const IntrinsicsChange::Matrix& prior_covariance, const Readings& readings,
+                                  const Entries& held) const;
+  /// The readout that is known, compared with that of the windows alone.
+  ParameterEstimate ReadoutAgainstGiven() const;
+  double ReadoutPriorSigma() const;
+  IntrinsicsEstimate EstimateFrom(const Readings& readings) const { return EstimateHolding(readings, Held(readings)); }
   ParameterEstimate AspectOf(const IntrinsicsEstimate& estimate) const;
   /// Standard deviations, as in the options.
   struct Sigmas {
@@ -191,17 +230,33 @@ class CalibrationCheck {
     double readout = 0;
   };
   IntrinsicsChange::Matrix Covariance(const Sigmas& sigmas) const;
+  IntrinsicsChange::Matrix PriorCovariance() const { return PriorCovariance(ReadoutPriorSigma()); }
+  IntrinsicsChange::Matrix PriorCovariance(double readout_sigma) const;
+  double EstimatedEntries(const Entries& held) const;  ///< how many there are
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
   /// `known`: what is known without the window, which guides the way, and is taken off again.
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window, const IntrinsicsEstimate& known) const;
+  /// Adds a reading, and linearises the others anew if the pixels' aspect is free from now on. False where the window
+  /// does not determine the intrinsics.
+  bool Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings) const;
   /// Linearises windows anew, with the pixels' aspect free.
-  void ReadAgain();
+  void ReadAgain(Readings& readings) const;
+  /// Reads windows with rows across the camera's read direction, if there is reason to.
+  void TestDirection();
+  Direction LikelyDirection() const;
+  /// Minus twice the log-likelihood of what windows and prior have left, but for the residuals.
+  double Misfit(const Readings& readings) const;
 
   CalibrationCheckOptions options_;
   Pinhole given_;
   IntrinsicsChange::Vector expected_;
-  std::vector<Reading> windows_;
+  std::optional<GivenReadout> given_readout_;
+  bool is_readout_contradicted_ = false;
+  Readings windows_;
+  Readings across_;  ///< the latest ones of `windows_`, with rows across; empty while there is no reason
+  Direction direction_ = Direction::kAlong;
+  ReadDirection read_direction_;  ///< of the camera
   double observed_radius_ = 0;
   int next_keyframe_ = 0;
 };

@@ -27,11 +27,14 @@ const std::vector<DriveSegment> kStreet = {{60, 0.8, 0}};
 // A drive read with a calibration that is off by `error`: to be right, the pinhole has to change by minus that, and
 // pixels want error[kCorrection] as correction.
 Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, double noise, unsigned seed,
-             const Eigen::Quaterniond& vehicle_from_camera = Eigen::Quaterniond::Identity()) {
+             const Eigen::Quaterniond& vehicle_from_camera = Eigen::Quaterniond::Identity(),
+             bool reads_columns = false) {
   const CarDrive drive = MakeCarDrive(segments, 0.1, {1.2, 0}, vehicle_from_camera);
-  Map map = MakeMap(
-      drive,
-      {.points_per_step = 25, .pixel_noise = noise, .seed = seed, .readout = -error[IntrinsicsChange::kReadout]});
+  Map map = MakeMap(drive, {.points_per_step = 25,
+                            .pixel_noise = noise,
+                            .seed = seed,
+                            .readout = -error[IntrinsicsChange::kReadout],
+                            .reads_columns = reads_columns});
   const Pinhole truth = map.camera.pinhole;
   map.camera.pinhole = ChangedPinhole(truth, error);
   const auto seen_through_lens = [&](const Eigen::Vector2d& pixel) {
@@ -300,6 +303,75 @@ TEST(CalibrationCheck, RowsAreThoseOfTheSensor) {
     upright = TurnedByQuarter(std::move(upright));
     upright.camera.read_direction = {-read.y, read.x};
   }
+}
+
+// As in a video of a camera that hangs sideways, which was rotated and encoded anew.
+TEST(CalibrationCheck, AReadoutAlongTheColumnsIsNoOtherCamera) {
+  for (const double readout : {0.025, -0.025}) {
+    Vector error = Vector::Zero();
+    error[IntrinsicsChange::kReadout] = -readout;
+    const Map map = WrongMap(kRightAndLeft, error, 0.3, 4, Eigen::Quaterniond::Identity(), true);
+    const CalibrationCheck check = CheckAlong(map);
+    EXPECT_TRUE(check.IsReadAcross()) << readout;
+    EXPECT_TRUE(check.Contradictions(map.camera).empty()) << readout;
+    const std::optional<ShutterReadout> found = check.Readout(map.camera);
+    ASSERT_TRUE(found) << readout;
+    EXPECT_NEAR(found->seconds, std::abs(readout), 0.003);
+    EXPECT_EQ(found->direction, (ReadDirection{readout > 0 ? 1 : -1, 0}));
+    EXPECT_TRUE(check.Estimate().Holds(IntrinsicsChange::kLogAspect));
+    EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kCentreX], 0, 4);
+  }
+}
+
+TEST(CalibrationCheck, OtherCamerasAreNotReadAlongTheirColumns) {
+  for (const Vector& error : {Change(0.14, 0, 0, 0), Change(0, 40, 0, 0), Change(0, 0, 40, 0)}) {
+    const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4));
+    EXPECT_FALSE(check.IsReadAcross()) << error.transpose();
+    EXPECT_FALSE(check.Contradictions(WithCorrection()).empty()) << error.transpose();
+  }
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  EXPECT_FALSE(CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 4)).IsReadAcross());
+}
+
+CalibrationCheck CheckWithReadout(const Map& map, const GivenReadout& readout) {
+  CalibrationCheck check({}, map.camera.pinhole, Vector::Zero(), readout);
+  for (int keyframes = 1; keyframes <= CountKeyframes(map); ++keyframes) check.Observe(MapUpTo(keyframes, map));
+  return check;
+}
+
+TEST(CalibrationCheck, AReadoutThatIsKnownIsRefined) {
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  const Map map = WrongMap(kRightAndLeft, error, 0.3, 4);
+  // Off by less than what is reported.
+  const CalibrationCheck check = CheckWithReadout(map, {0.022, 0.002});
+  EXPECT_TRUE(check.Contradictions(map.camera).empty());
+  ASSERT_TRUE(check.Readout(map.camera));
+  EXPECT_NEAR(check.Readout(map.camera)->seconds, 0.025, 0.0015);
+  EXPECT_LE(check.Readout(map.camera)->sigma, 0.002);
+  EXPECT_EQ(Of(IntrinsicsParameter::kReadout, check).given, 0.022);
+}
+
+TEST(CalibrationCheck, AReadoutThatIsContradictedIsReportedAndReplaced) {
+  const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 4);
+  const CalibrationCheck check = CheckWithReadout(map, {0.02, 0.001});
+  const std::vector<ParameterEstimate> contradictions = check.Contradictions(map.camera);
+  ASSERT_EQ(contradictions.size(), 1U);
+  EXPECT_EQ(contradictions[0].parameter, IntrinsicsParameter::kReadout);
+  EXPECT_NEAR(contradictions[0].found, 0, 0.002);
+  EXPECT_EQ(check.Verdict(map.camera), CalibrationVerdict::kNotContradicted) << "with the other readout";
+  ASSERT_TRUE(check.Readout(map.camera));
+  EXPECT_NEAR(check.Readout(map.camera)->seconds, 0, 0.002);
+}
+
+TEST(CalibrationCheck, AReadoutThatIsKnownStaysWithoutATurn) {
+  const Map map = WrongMap(kStreet, Vector::Zero(), 0.3, 11);
+  const CalibrationCheck check = CheckWithReadout(map, {0.02, 0.001});
+  EXPECT_EQ(check.windows(), 0);
+  ASSERT_TRUE(check.Readout(map.camera));
+  EXPECT_EQ(check.Readout(map.camera)->seconds, 0.02);
+  EXPECT_EQ(check.Readout(map.camera)->sigma, 0.001);
 }
 
 TEST(CalibrationCheck, FindsAMissingDistortion) {

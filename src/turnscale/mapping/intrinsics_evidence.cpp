@@ -163,7 +163,10 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
       if (!distorted || !UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>())) continue;
       bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
-      row_motion_.push_back(RowMotion(map, seen.keyframe, map.landmarks[track.landmark].position, *distorted));
+      const Eigen::Vector3d& position = map.landmarks[track.landmark].position;
+      const ReadDirection direction = map.camera.read_direction;
+      row_motion_.push_back(RowMotion(map, seen.keyframe, position, *distorted, direction));
+      across_motion_.push_back(RowMotion(map, seen.keyframe, position, *distorted, Across(direction)));
       stretch_.push_back(1);
     }
   }
@@ -180,6 +183,12 @@ double IntrinsicsProblem::ObservedRadius() const {
   for (size_t i = 0; i < distorted_.size(); ++i)
     if (corrected_[i]) radii.push_back((distorted_[i] - centre).norm());
   return Quantile(std::move(radii), kNearlyAll);
+}
+
+void IntrinsicsProblem::ReadAcross() {
+  std::swap(row_motion_, across_motion_);
+  camera_.read_direction = Across(camera_.read_direction);
+  Change(change_);
 }
 
 void IntrinsicsProblem::Change(const Vector& change) {
@@ -205,6 +214,16 @@ bool IntrinsicsProblem::Adjust(int max_iterations) {
   options.max_iterations = max_iterations;
   options.relative_cost_tolerance = 1e-4;
   return TryAdjustBundle(options, bundle_).has_value();
+}
+
+std::vector<double> IntrinsicsProblem::Residuals() const {
+  std::vector<double> lengths(bundle_.observations.size(), HUGE_VAL);
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    const BundleObservation& seen = bundle_.observations[i];
+    const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[seen.point];
+    if (IsInFront(x) && corrected_[i]) lengths[i] = (bundle_.pinhole.Project(x) - seen.pixel).norm() / stretch_[i];
+  }
+  return lengths;
 }
 
 void IntrinsicsProblem::EstimatePixelSigma() {

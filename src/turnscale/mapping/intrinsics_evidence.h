@@ -52,11 +52,15 @@ class IntrinsicsProblem {
   /// Landmarks that take part; none where the window has none that three of its keyframes see.
   int landmarks() const { return static_cast<int>(bundle_.points.size()); }
   const IntrinsicsChange::Vector& change() const { return change_; }
+  /// In which rows follow one another.
+  const ReadDirection& read_direction() const { return camera_.read_direction; }
   const BundleProblem& bundle() const { return bundle_; }
   /// Distance from the present principal point within which all but one in a hundred observations lie, pixels of the
   /// image.
   double ObservedRadius() const;
 
+  /// From now on, rows are taken to follow one another across the direction so far (Across). Poses and points stay.
+  void ReadAcross();
   /// Takes another camera; poses and points stay.
   void Change(const IntrinsicsChange::Vector& change);
   /// Brings poses and points to where they go best with the camera, with residuals of the corrected pixels. False where
@@ -64,6 +68,10 @@ class IntrinsicsProblem {
   bool Adjust(int max_iterations);
   /// Sets the pixels' standard deviation to what the residuals show.
   void EstimatePixelSigma();
+  double pixel_sigma() const { return pixel_sigma_; }  ///< pixels of the distorted image
+  /// Lengths of the residuals, pixels of the distorted image: of each observation, in an order that stays; infinite
+  /// where the present state has no prediction.
+  std::vector<double> Residuals() const;
   /// Gauss-Newton's model of the cost in the intrinsics at the present state, poses and points marginalised out. The
   /// first keyframe holds still, and the unit of length with it. Nothing where the poses are not determined.
   std::optional<IntrinsicsEvidence> Evidence() const;
@@ -77,6 +85,7 @@ class IntrinsicsProblem {
   // As bundle_.observations:
   std::vector<Eigen::Vector2d> distorted_;                ///< pixels of the image
   std::vector<Eigen::Vector2d> row_motion_;               ///< of its pixel without distortion (IntrinsicsJacobian)
+  std::vector<Eigen::Vector2d> across_motion_;            ///< the same with rows across the read direction
   std::vector<double> stretch_;                           ///< by which correction enlarges an error there
   std::vector<std::optional<CorrectedPixel>> corrected_;  ///< with change_; nothing where this lens has no ray
   std::vector<int> first_observation_;

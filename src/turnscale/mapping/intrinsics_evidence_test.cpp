@@ -103,7 +103,7 @@ void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   SeenPixels raw;
   for (const BundleObservation& seen : bundle.observations) {
     raw.raw.push_back(*camera.Project(camera.pinhole.Ray(seen.pixel)));
-    raw.row_motion.push_back(RowMotion(map, seen.camera, bundle.points[seen.point], raw.raw.back()));
+    raw.row_motion.push_back(RowMotion(map, seen.camera, bundle.points[seen.point], raw.raw.back(), {}));
   }
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();

@@ -31,9 +31,9 @@ Eigen::Vector3d SpeedInCamera(const Map& map, int keyframe, const Eigen::Vector3
 }
 
 // For how much of the readout the row of a pixel waits after the middle one; below 0 before it.
-double ShareOfReadout(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+double ShareOfReadout(const CameraModel& camera, const ReadDirection& direction, const Eigen::Vector2d& pixel) {
   if (camera.width == 0 || camera.height == 0) return 0;
-  const Eigen::Vector2d along(camera.read_direction.x, camera.read_direction.y);
+  const Eigen::Vector2d along(direction.x, direction.y);
   const Eigen::Vector2d size(camera.width, camera.height);
   const Eigen::Vector2d middle = 0.5 * (size - Eigen::Vector2d::Ones());
   return along.dot(pixel - middle) / along.cwiseAbs().dot(size);
@@ -41,10 +41,11 @@ double ShareOfReadout(const CameraModel& camera, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-Eigen::Vector2d RowMotion(const Map& map, int keyframe, const Eigen::Vector3d& position, const Eigen::Vector2d& pixel) {
+Eigen::Vector2d RowMotion(const Map& map, int keyframe, const Eigen::Vector3d& position, const Eigen::Vector2d& pixel,
+                          const ReadDirection& direction) {
   const Eigen::Vector3d x = map.keyframes[keyframe].camera_from_world * position;
   if (!IsInFront(x)) return Eigen::Vector2d::Zero();
-  return ShareOfReadout(map.camera, pixel) *
+  return ShareOfReadout(map.camera, direction, pixel) *
          (ProjectionJacobian(map.camera.pinhole, x) * SpeedInCamera(map, keyframe, position));
 }
 
@@ -57,7 +58,7 @@ void CorrectRows(Map& map) {
         const Landmark& landmark = map.landmarks[seen.landmark];
         const std::optional<Eigen::Vector2d> distorted = camera.Project(camera.pinhole.Ray(seen.pixel));
         if (!landmark.valid || !distorted) continue;
-        const double waited = camera.readout * ShareOfReadout(camera, *distorted);
+        const double waited = camera.readout * ShareOfReadout(camera, camera.read_direction, *distorted);
         const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
         const Eigen::Vector3d x_then = x + waited * SpeedInCamera(map, k, landmark.position);
         if (IsInFront(x) && IsInFront(x_then)) seen.pixel -= camera.pinhole.Project(x_then) - camera.pinhole.Project(x);

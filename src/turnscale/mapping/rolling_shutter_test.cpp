@@ -79,10 +79,11 @@ TEST(RollingShutter, NothingMovesWithoutTheSizeOfTheImage) {
 TEST(RollingShutter, MiddleRowDoesNotWait) {
   const Map map = TurningMap(0);
   const Eigen::Vector3d position = map.keyframes[20].camera_from_world.inverse() * Eigen::Vector3d(1, 0, 9);
-  EXPECT_EQ(RowMotion(map, 20, position, {600, 0.5 * (map.camera.height - 1)}).norm(), 0);
-  EXPECT_GT(RowMotion(map, 20, position, {600, map.camera.height - 1}).norm(), 1);
+  EXPECT_EQ(RowMotion(map, 20, position, {600, 0.5 * (map.camera.height - 1)}, {}).norm(), 0);
+  EXPECT_GT(RowMotion(map, 20, position, {600, map.camera.height - 1}, {}).norm(), 1);
   EXPECT_EQ(
-      RowMotion(map, 20, map.keyframes[20].camera_from_world.inverse() * Eigen::Vector3d(1, 0, -9), {600, 300}).norm(),
+      RowMotion(map, 20, map.keyframes[20].camera_from_world.inverse() * Eigen::Vector3d(1, 0, -9), {600, 300}, {})
+          .norm(),
       0)
       << "behind the camera";
 }

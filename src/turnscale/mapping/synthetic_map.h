@@ -29,7 +29,8 @@ struct SyntheticStreet {
   double max_depth = 30;
   double pixel_noise = 0.3;
   unsigned seed = 1;
-  double readout = 0;  ///< seconds, of a rolling shutter from the top to the bottom row
+  double readout = 0;          ///< seconds, of a rolling shutter from the top to the bottom row
+  bool reads_columns = false;  ///< from the left to the right column instead
 };
 
 /// The camera between the poses of a drive, `steps` after that of a keyframe.
@@ -71,8 +72,9 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
       if (x.z() < 3 || x.z() > street.max_depth) continue;
       Eigen::Vector2d pixel = map.camera.pinhole.Project(x);
       if (street.readout != 0) {
-        const double row = pixel.y() / map.camera.height - 0.5;
-        const RigidTransform camera = CameraBetween(drive, k, street.readout * row / drive.dt);
+        const double share =
+            (street.reads_columns ? pixel.x() / map.camera.width : pixel.y() / map.camera.height) - 0.5;
+        const RigidTransform camera = CameraBetween(drive, k, street.readout * share / drive.dt);
         pixel = map.camera.pinhole.Project(camera * landmark.position);
       }
       if (pixel.x() < 0 || pixel.x() > 1240 || pixel.y() < 0 || pixel.y() > 370) continue;

@@ -35,6 +35,8 @@ std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsCh
   if (!changed) return std::nullopt;
   changed->read_direction = camera.read_direction;
   changed->aspect_sigma = camera.aspect_sigma;
+  changed->readout = camera.readout;
+  changed->readout_sigma = camera.readout_sigma;
   return changed;
 }
 
@@ -92,6 +94,12 @@ std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, 
   // One that is held is that of the camera that the passes started with.
   if (!findings.estimate.Holds(IntrinsicsChange::kLogAspect))
     found.camera.aspect_sigma = sigma_of(IntrinsicsChange::kLogAspect);
+  // The next pass is not to take it for known: it reads the same images.
+  if (const std::optional<ShutterReadout>& readout = findings.readout) {
+    found.camera.readout = readout->seconds;
+    found.camera.readout_sigma = readout->sigma;
+    found.camera.read_direction = readout->direction;
+  }
   found.centre_sigma = sigma_of(IntrinsicsChange::kCentreX);
   found.windows = findings.windows;
   found.converged = alternates;

@@ -15,6 +15,7 @@ struct PassFindings {
   IntrinsicsEstimate estimate;  ///< the change of that camera
   double radius = 0;            ///< from the principal point, up to which the windows show the lens, pixels
   int windows = 0;
+  std::optional<ShutterReadout> readout = std::nullopt;  ///< of a rolling shutter, if they show or know one
 };
 
 /// What the passes so far have found, and the camera for the next one.

@@ -125,5 +125,24 @@ TEST(CalibrationPass, TheImagesAreReadAsBefore) {
   EXPECT_EQ(result->found.camera.read_direction, sideways.read_direction);
 }
 
+TEST(CalibrationPass, AReadoutThatIsFoundIsNotKnownToTheNextPass) {
+  CameraModel start = kCamera;
+  start.readout = 0.02;
+  start.readout_sigma = 0.002;
+  PassFindings findings = Changes(0.4);
+  const auto unread = CameraFrom({}, start, findings, kStrictPasses);
+  ASSERT_TRUE(unread);
+  EXPECT_EQ(unread->found.camera.readout, start.readout);
+  findings.readout = ShutterReadout{.seconds = 0.022, .sigma = 0.001, .direction = {1, 0}};
+  const auto result = CameraFrom({}, start, findings, kStrictPasses);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->found.camera.readout, 0.022);
+  EXPECT_EQ(result->found.camera.readout_sigma, 0.001);
+  EXPECT_EQ(result->found.camera.read_direction, (ReadDirection{1, 0}));
+  EXPECT_EQ(result->next.readout, start.readout);
+  EXPECT_EQ(result->next.readout_sigma, start.readout_sigma);
+  EXPECT_EQ(result->next.read_direction, start.read_direction);
+}
+
 }  // namespace
 }  // namespace turnscale

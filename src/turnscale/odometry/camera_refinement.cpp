@@ -20,7 +20,8 @@ constexpr int kKeyframesOfWork = 4;
 
 CameraRefinement::CameraRefinement(const OdometryOptions& options, const CameraModel& camera)
     : taken_{.lens = LensRefinement(options.lens),
-             .check = CalibrationCheck(options.calibration_check, camera.pinhole),
+             .check = CalibrationCheck(options.calibration_check, camera.pinhole, IntrinsicsChange::Vector::Zero(),
+                                       ReadoutOf(camera)),
              .scale_sigma = CalibrationSigma({}, camera)} {}
 
 void CameraRefinement::StartIfDue(const Map& map) {

@@ -151,8 +151,11 @@ void Odometry::Finish() {
   Readjust();
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
-  if (const std::optional<ShutterReadout> readout = calibration_check().Readout(map_.camera))
+  const std::optional<ShutterReadout> readout = calibration_check().Readout(map_.camera);
+  if (readout) {
     map_.camera.readout = readout->seconds;
+    map_.camera.read_direction = readout->direction;
+  }
   AdjustWholeDrive();
   refined_ = Refined();
   const bool uses_single_turns = refined_->estimate && refined_->estimate->uses_single_turns;
@@ -437,7 +440,7 @@ RefinedScale Odometry::Refined() const {
                                  (!refined.doubtful_calibration.empty() || !check.DeterminesFocalLength());
   refined.aspect_sigma = map_.camera.aspect_sigma;
   refined.readout = check.Readout(map_.camera);
-  if (refined.readout) refined.readout->is_corrected = map_.camera.readout != 0;
+  if (refined.readout) refined.readout->is_corrected = finished_ && map_.camera.readout != 0;
   BridgeGapsOf(refined);
   return refined;
 }

@@ -42,6 +42,9 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, co
       case IntrinsicsParameter::kPixelAspect:
         sigma = kScalePerAspect * off / estimate.given;
         break;
+      case IntrinsicsParameter::kReadout:
+        // The one that was found is corrected.
+        break;
     }
     variance += sigma * sigma;
   }

@@ -93,7 +93,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
     reading.is_complete = check.IsComplete();
     if (reading.is_complete) break;
   }
-  reading.findings = {check.Estimate(), check.observed_radius(), check.windows()};
+  reading.findings = {check.Estimate(), check.observed_radius(), check.windows(), check.LatestReadout()};
   return reading;
 }
 
@@ -157,7 +157,7 @@ class SelfCalibration {
 
   Reading Read(int pass, std::optional<double> from = std::nullopt) const {
     const CalibrationCheck check(CheckForReading(options_, odometry_.calibration_check, pass), camera_.pinhole,
-                                 ChangeBetween(camera_.pinhole, expected_));
+                                 ChangeBetween(camera_.pinhole, expected_), ReadoutOf(camera_));
     return ReadTurns(OptionsForReading(odometry_, pass), camera_, check, open_(from), options_.min_interval, end_,
                      mask_);
   }

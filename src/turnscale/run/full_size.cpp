@@ -22,6 +22,7 @@ ParameterEstimate AtFullSize(const ImageScaling& scaling, ParameterEstimate esti
       break;
     case IntrinsicsParameter::kDistortion:
     case IntrinsicsParameter::kPixelAspect:
+    case IntrinsicsParameter::kReadout:
       return estimate;
   }
   estimate.sigma *= scaling.pixel_width();

@@ -26,6 +26,9 @@ std::string FoundText(const ParameterEstimate& estimate, bool has_distortion) {
   if (estimate.parameter == IntrinsicsParameter::kPixelAspect)
     return fmt::format("pixels {:.3g} +-{:.2g} times as wide as high, but the calibration has {:.3g} (fy / fx)",
                        estimate.found, estimate.sigma, estimate.given);
+  if (estimate.parameter == IntrinsicsParameter::kReadout)
+    return fmt::format("a readout time of {:.1f} +-{:.2g} ms, but the camera file has {:.1f}", 1e3 * estimate.found,
+                       1e3 * estimate.sigma, 1e3 * estimate.given);
   const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
   const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
   const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";

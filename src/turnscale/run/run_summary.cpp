@@ -36,8 +36,14 @@ const char* LensModelName(LensModel lens) {
   return "unknown";
 }
 
-std::string FoundCameraText(const FoundCamera& found) {
-  return CameraFileText(found.camera) + "principal_point_sigma: " + NumberText(found.centre_sigma) + "\n";
+std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout) {
+  CameraModel camera = found.camera;
+  if (readout) {
+    camera.readout = readout->seconds;
+    camera.readout_sigma = readout->sigma;
+    camera.read_direction = readout->direction;
+  }
+  return CameraFileText(camera) + "principal_point_sigma: " + NumberText(found.centre_sigma) + "\n";
 }
 
 }  // namespace turnscale

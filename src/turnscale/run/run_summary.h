@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,8 @@ std::string FocalLengthText(const CameraModel& camera);
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);
 
-/// An estimated camera as a file that ReadCameraFile reads, with its standard deviations.
-std::string FoundCameraText(const FoundCamera& found);
+/// An estimated camera as a file that ReadCameraFile reads, with its standard deviations. `readout`: what the whole
+/// drive says of a rolling shutter.
+std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout);
 
 }  // namespace turnscale

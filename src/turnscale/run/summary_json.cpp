@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/run/run_summary.h"
@@ -118,6 +119,7 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummar
   if (scale.readout) {
     json["readout_ms"] = 1e3 * scale.readout->seconds;
     json["readout_sigma_ms"] = 1e3 * scale.readout->sigma;
+    json["readout_direction"] = ReadDirectionName(scale.readout->direction);
   }
   if (!found) {
     json["tested"] = scale.calibration_windows > 0;

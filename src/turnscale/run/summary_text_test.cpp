@@ -94,6 +94,7 @@ TEST(SummaryText, ARollingShutterIsNamed) {
   summary.scale.readout = ShutterReadout{0.0193, 0.0006};
   EXPECT_TRUE(Says(summary, "shutter rolling, 19.3 +-0.6 ms from the top of the image to the bottom"));
   EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["readout_ms"], 19.3, 1e-9);
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["intrinsics"]["readout_direction"], "down");
   summary.scale.readout->direction = {-1, 0};
   EXPECT_TRUE(Says(summary, "19.3 +-0.6 ms from the right of the image to the left"));
   summary.scale.readout->seconds *= -1;
