@@ -116,7 +116,7 @@ std::string MountText(const RunSummary& summary) {
   const std::optional<MountEstimate>& mount = drive.mount.estimate;
   const std::string knocks = KnockText(drive.mount);
   if (mount && mount->is_outdated)
-    return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used{}\n",
+    return fmt::format("camera  moved {}; no turn since that was noticed, so the rotation from before is used{}\n",
                        Times(mount->moves), knocks);
   const YawPitchRoll angles = drive.camera_angles();
   const std::string correction = YawCorrectionText(summary.car, summary.scale.turns_used, angles.yaw);
