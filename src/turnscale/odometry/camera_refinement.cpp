@@ -35,8 +35,11 @@ void CameraRefinement::StartIfDue(const Map& map) {
     // The test compares with the correction that the map is going to have.
     if (findings.lens_changed) camera.radial_correction = findings.lens.correction();
     if (tested) findings.check.Read(*tested);
-    if (findings.check.windows() > 0)
-      findings.scale_sigma = CalibrationSigma(findings.check.Contradictions(camera), camera);
+    if (findings.check.windows() > 0) {
+      const std::vector<ParameterEstimate> contradictions = findings.check.Contradictions(camera);
+      findings.scale_sigma =
+          CalibrationSigma(contradictions.empty() ? findings.check.Doubts(camera) : contradictions, camera);
+    }
     return findings;
   });
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "turnscale/base/check_part.h"
@@ -167,12 +168,13 @@ std::optional<Eigen::Quaterniond> RotationBetween(const GapRotationOptions& opti
                                                   bool car_stood, const Mount& mount) {
   const Pinhole& pinhole = camera.pinhole;
   const auto [matches, far] = MatchedPixels(options, camera, first, second, car_stood);
-  for (const Matches& each : {far, matches}) {
-    if (each.count() < options.min_matches) continue;
-    if (const auto rotation = RotationAlone(options, pinhole, each))
-      return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
+  if (far.count() >= options.min_matches) {
+    const auto rotation = RotationAlone(options, pinhole, far);
+    if (rotation && TurnOfCar(options, *rotation, mount)) return rotation;
   }
   if (matches.count() < options.min_matches) return std::nullopt;
+  if (const auto rotation = RotationAlone(options, pinhole, matches))
+    return TurnOfCar(options, *rotation, mount) ? rotation : std::nullopt;
   const EssentialMotion motion = FindEssentialMotion(pinhole, matches.first, matches.second, matches.max_error);
   const auto agreeing = static_cast<std::size_t>(std::ranges::count(motion.inlier, 1));
   if (!AreEnough(options, agreeing, options.min_match_share, matches)) return std::nullopt;
@@ -201,21 +203,22 @@ std::optional<GapRotation> MeasureGapRotation(const GapRotationOptions& options,
                                               const GapImages& images, const cv::Mat& mask, const Mount& mount) {
   const auto describe = [&](const cv::Mat& gray) { return DescribeKeypoints(options.keypoints, gray, mask); };
   const DescribedKeypoints earlier = images.earlier.gray.empty() ? DescribedKeypoints{} : describe(images.earlier.gray);
-  const auto view = [&](const cv::Mat& gray, const Eigen::Quaterniond& now_from_earlier) {
-    GapView view{.keypoints = describe(gray), .far = {}};
-    if (!earlier.pixels.empty()) view.far = FarPixels(options, camera, earlier, view.keypoints, now_from_earlier);
-    return view;
+  const auto view = [&](DescribedKeypoints keypoints, const Eigen::Quaterniond& now_from_earlier) {
+    PixelSet far;
+    if (!earlier.pixels.empty()) far = FarPixels(options, camera, earlier, keypoints, now_from_earlier);
+    return GapView{std::move(keypoints), std::move(far)};
   };
   const auto between = [&](const GapView& first, const DescribedKeypoints& second) {
     return RotationBetween(options, camera, first, second, images.car_stood, mount);
   };
-  const GapView before = view(images.before, images.earlier.now_from_then);
+  const GapView before = view(describe(images.before), images.earlier.now_from_then);
   const DescribedKeypoints after = describe(images.after);
   if (const auto direct = between(before, after)) return GapRotation{*direct, kSigma};
   if (images.lost.empty()) return std::nullopt;
-  const auto lost_from_before = between(before, describe(images.lost));
+  DescribedKeypoints lost = describe(images.lost);
+  const auto lost_from_before = between(before, lost);
   if (!lost_from_before) return std::nullopt;
-  const auto after_from_lost = between(view(images.lost, *lost_from_before * images.earlier.now_from_then), after);
+  const auto after_from_lost = between(view(std::move(lost), *lost_from_before * images.earlier.now_from_then), after);
   if (!after_from_lost) return std::nullopt;
   return GapRotation{*after_from_lost * *lost_from_before, std::numbers::sqrt2 * kSigma};
 }

@@ -43,6 +43,12 @@ OnlineCalibrationOptions OptionsFor(const Eigen::Quaterniond& assumed) {
 
 }  // namespace
 
+bool LooksAlong(const Eigen::Quaterniond& vehicle_from_camera) {
+  const double tangent_of_most = std::tan(40 / kDegreesPerRadian);
+  const Eigen::Vector3d ahead = vehicle_from_camera * Eigen::Vector3d::UnitZ();
+  return std::abs(ahead.x()) <= tangent_of_most * std::abs(ahead.z());
+}
+
 MountCalibration::MountCalibration(const VehicleOptions& vehicle)
     : calibrates_(vehicle.calibrate_camera),
       known_sigma_{vehicle.yaw_sigma, vehicle.known_pitch_sigma, vehicle.known_roll_sigma},

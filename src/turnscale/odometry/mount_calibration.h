@@ -23,6 +23,10 @@ struct Mount {
   YawPitchRoll sigma = {};  ///< rad, if estimated
 };
 
+/// Whether the camera looks ahead or back: within 40 degrees of the direction of travel, or of the opposite one, as
+/// seen from above.
+bool LooksAlong(const Eigen::Quaterniond& vehicle_from_camera);
+
 /// The camera-to-vehicle rotation: as given, or found from the drive (section III). A camera that is moved has a new
 /// one: after a jump that was measured, what is known of the rotation still holds; after another move, which shows in
 /// the direction of travel, it is found anew.

@@ -153,6 +153,17 @@ TEST(MountCalibration, KnownPitchAndRollAreAveragedWithTheDrives) {
   EXPECT_NEAR(YawPitchRollFromRotation(turned.At(0)).roll, 0.03, 0.1 * own.roll);
 }
 
+TEST(LooksAlong, AheadOrBackHoweverItIsPitchedOrRolled) {
+  const auto looks = [](double yaw_deg, double pitch_deg, double roll_deg) {
+    return LooksAlong(RotationFromYawPitchRoll(
+        {yaw_deg / kDegreesPerRadian, pitch_deg / kDegreesPerRadian, roll_deg / kDegreesPerRadian}));
+  };
+  for (const double yaw : {0.0, 38.0, -38.0, 142.0, 180.0}) EXPECT_TRUE(looks(yaw, 0, 0)) << yaw;
+  for (const double yaw : {42.0, -61.0, 90.0, 138.0}) EXPECT_FALSE(looks(yaw, 0, 0)) << yaw;
+  EXPECT_TRUE(looks(10, -45, 0)) << "down at the road";
+  EXPECT_TRUE(looks(-10, 5, 90));
+}
+
 TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   const Eigen::Quaterniond moved = RotationFromYawPitchRoll({0.15 + 0.06, -0.1 + 0.03, 0.03});
   Map map;

@@ -38,13 +38,6 @@ constexpr int kUsualLandmarks = 1 << 17;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// Whether the camera looks ahead or back. If it seems to look aside, a vehicle may have been taken for the scene, with
-// whose direction of travel no map would start any more.
-bool LooksAlong(const Eigen::Quaterniond& vehicle_from_camera) {
-  constexpr double kMostAside = 40 / kDegreesPerRadian;
-  return std::abs((vehicle_from_camera * Eigen::Vector3d::UnitZ()).z()) >= std::cos(kMostAside);
-}
-
 // Of an image that shows nothing, gray levels.
 constexpr double kNoContrast = 1;
 
@@ -131,6 +124,8 @@ void Odometry::SetMask(const cv::Mat& mask) {
 void Odometry::WaitForMap() {
   const bool is_given = options_.vehicle.camera_known || !options_.vehicle.calibrate_camera;
   const Mount& current = mount().current();
+  // If the camera seems to look aside, a vehicle may have been taken for the scene, with whose direction of travel no
+  // map would start any more.
   const bool is_known = is_given || (current.found && LooksAlong(current.vehicle_from_camera));
   const auto rotation = is_known ? std::optional(current.vehicle_from_camera) : std::nullopt;
   initializer_.emplace(options_, map_.camera, rotation);

@@ -65,12 +65,14 @@ double SlowingAlong(double length, double seconds, double turn) {
 }
 
 // Variance of the length across a gap due to the uncertain turn in it, m^2: a car that turns more has braked more, and
-// the two ends are closer to each other along an arc.
+// the two ends are closer to each other along an arc. Of a turn that is smaller or larger, what changes more.
 double TurnVariance(double length, double seconds, double turn, double turn_sigma) {
   const auto lost = [&](double angle) {
     return SlowingAlong(length, seconds, angle) + length * std::min(angle * angle / 24, kMostSlowingShare);
   };
-  return std::pow(lost(turn + turn_sigma) - lost(turn), 2);
+  const double of_more = lost(turn + turn_sigma) - lost(turn);
+  const double of_less = lost(turn) - lost(std::max(turn - turn_sigma, 0.0));
+  return std::pow(std::max(of_more, of_less), 2);
 }
 
 // The way across a gap, of which a `share` is driven as after it. Its direction is that of the prediction, which has

@@ -100,10 +100,12 @@ TEST(BridgeGaps, ACarBrakesForACorner) {
   EXPECT_NEAR(turned(-0.5).GapLength(), turned(0.5).GapLength(), 1e-9);
   EXPECT_NEAR(turned(1.5).GapLength(), kGap * 10 - 0.25 * kGap * kGap, 1e-9);
   EXPECT_NEAR(turned(1.5).refined.gap_sigma, GapLengthSigma(kGap, true), 1e-12);
-  // A turn of a radian that may be none, or nearly two.
+  // A turn of a radian that may be nearly two, and one that may be none.
   const double slowing = CornerSlowing(kGap, 1.8) - CornerSlowing(kGap, 1);
   const double chord = kGap * 10 * (1.8 * 1.8 - 1) / 24;
   EXPECT_NEAR(turned(1, 0.8).refined.gap_sigma, std::hypot(GapLengthSigma(kGap, true), slowing + chord), 1e-9);
+  const double all = CornerSlowing(kGap, 1.5) + kGap * 10 * 1.5 * 1.5 / 24;
+  EXPECT_NEAR(turned(1.5, 2).refined.gap_sigma, std::hypot(GapLengthSigma(kGap, true), all), 1e-9);
 }
 
 TEST(BridgeGaps, ASlowCarKeepsMostOfTheWay) {

@@ -125,6 +125,7 @@ RefinedResults DriveRecorder::Refined() const {
   }
   std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
   for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = AtFullSize(scaling_, estimate);
+  for (ParameterEstimate& estimate : scale.doubtful_calibration) estimate = AtFullSize(scaling_, estimate);
   return {std::move(frames), std::move(scale), blending};
 }
 

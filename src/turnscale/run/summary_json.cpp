@@ -123,6 +123,7 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummar
   }
   if (!found) {
     json["tested"] = scale.calibration_windows > 0;
+    json["in_doubt"] = scale.calibration_in_doubt;
     return json;
   }
   json["focal_length_sigma"] = found->camera.focal_sigma;
