@@ -255,13 +255,11 @@ std::string UnknownTurnWarning(const std::vector<MapRestart>& restarts, const st
   const std::string gap = GapText(missing, worst.time, first_time);
   const std::string where =
       count == 1 ? fmt::format("the gap {}", gap) : fmt::format("{} gaps (at worst the one {})", count, gap);
-  const std::string known = count == 1 && worst.turn_sigma > kUnknown
-                                ? "is not known"
-                                : fmt::format("is only known to about +-{:.0f} deg", InDegrees(worst.turn_sigma));
+  const char* known = count == 1 && worst.turn_sigma > kUnknown ? "is not known" : "is hardly known";
   return fmt::format(
-      "the direction of travel after {} {}, as it could not be measured in the images: the path that follows may be "
-      "rotated, as where the car turned a corner in the gap",
-      where, known);
+      "the direction of travel after {} {} (+-{:.0f} deg), as it could not be measured in the images: the path that "
+      "follows may be rotated, as where the car turned a corner in the gap",
+      where, known, InDegrees(worst.turn_sigma));
 }
 
 // A wrong calibration distorts a turn where it begins, which looks like a turn of the camera.

@@ -223,7 +223,7 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   std::vector<FrameResult> frames = PathFrames(8, 1);
   const std::vector<std::string> warnings = SummaryOf(drive, frames, {}).warnings;
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("the gap before 12.5 s is only known to about +-20 deg"), std::string::npos)
+  EXPECT_NE(warnings[0].find("the gap before 12.5 s is hardly known (+-20 deg)"), std::string::npos)
       << warnings[0];
   EXPECT_TRUE(warnings[0].ends_with("as where the car turned a corner in the gap")) << warnings[0];
   // The image at 0.3 s is lost, and none follows for some seconds.
@@ -234,7 +234,7 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
     const std::vector<std::string> all = SummaryOf(drive, frames, {}).warnings;
     return std::ranges::any_of(all, [&](const std::string& warning) { return warning.find(words) != warning.npos; });
   };
-  EXPECT_TRUE(says("the gap from 0.3 to 12.5 s is only known to about +-20 deg"));
+  EXPECT_TRUE(says("the gap from 0.3 to 12.5 s is hardly known (+-20 deg)"));
   drive.restarts[1].turn_sigma = 0.1;
   EXPECT_FALSE(says("the direction of travel"));
 }
