@@ -100,10 +100,11 @@ TEST(OdometryCameras, AReadoutThatTheTurnsContradictIsReported) {
   camera.readout = 0.04;
   camera.readout_sigma = 0.001;
   const OdometryRun run = RunOdometry(StreetOptions(), camera, drive.images, drive.times);
-  ASSERT_EQ(run.scale.contradicted_calibration.size(), 1U);
-  EXPECT_EQ(run.scale.contradicted_calibration[0].parameter, IntrinsicsParameter::kReadout);
-  ASSERT_TRUE(run.scale.readout);
-  EXPECT_NEAR(run.scale.readout->seconds, 0, 0.004);
+  EXPECT_TRUE(run.scale.contradicted_calibration.empty());
+  ASSERT_TRUE(run.scale.contradicted_readout);
+  EXPECT_EQ(run.scale.contradicted_readout->given, 0.04);
+  EXPECT_NEAR(run.scale.contradicted_readout->found, 0, 0.004);
+  EXPECT_FALSE(run.scale.readout) << "a global shutter";
 }
 
 }  // namespace

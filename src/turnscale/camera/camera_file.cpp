@@ -157,13 +157,16 @@ void SetReadout(const YamlMap& file, CameraModel& camera) {
   const double sigma_ms = file.Has("readout_sigma_ms") ? file.Number("readout_sigma_ms") : kSigmaIfNotStatedMs;
   if (!(sigma_ms >= 0)) file.Reject("readout_sigma_ms", "must not be negative");
   camera.readout = readout_ms / 1e3;
-  camera.readout_sigma = sigma_ms / 1e3;
+  // Of a global shutter, 0 would be that of a readout that is not known.
+  constexpr double kLeastSigmaOfNoneMs = 0.01;
+  camera.readout_sigma = (readout_ms == 0 ? std::max(sigma_ms, kLeastSigmaOfNoneMs) : sigma_ms) / 1e3;
   if (!file.Has("readout_direction")) return;
   const std::string name = file.Text("readout_direction");
   const auto named = std::ranges::find(kReadDirections, name, &NamedDirection::name);
   if (named == kReadDirections.end())
     file.Reject("readout_direction", "is '" + Excerpt(name) + "'; give down, up, right or left");
   camera.read_direction = named->direction;
+  camera.is_read_direction_stated = true;
 }
 
 CameraModel OpenCvCamera(const YamlMap& file) {
@@ -388,12 +391,11 @@ std::string CameraFileText(const CameraModel& camera) {
          Joined(distortion, ", ") + "]\n" +
          (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "") +
          (camera.aspect_sigma > 0 ? "pixel_aspect_sigma: " + NumberText(camera.aspect_sigma) + "\n" : "") +
-         (camera.readout == 0 ? ""
-                              : "readout_ms: " + NumberText(1e3 * camera.readout) +
-                                    "\nreadout_sigma_ms: " + NumberText(1e3 * camera.readout_sigma) + "\n") +
-         (camera.readout == 0 || camera.read_direction == ReadDirection()
+         (camera.readout == 0 && camera.readout_sigma == 0
               ? ""
-              : "readout_direction: " + ReadDirectionName(camera.read_direction) + "\n");
+              : "readout_ms: " + NumberText(1e3 * camera.readout) +
+                    "\nreadout_sigma_ms: " + NumberText(1e3 * camera.readout_sigma) +
+                    "\nreadout_direction: " + ReadDirectionName(camera.read_direction) + "\n");
 }
 
 std::string ReadDirectionName(const ReadDirection& direction) {

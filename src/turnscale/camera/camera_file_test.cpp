@@ -250,18 +250,33 @@ TEST(CameraFile, WhatIsWrittenReadsBackToTheSameBits) {
   }
   camera.readout = -0.02;
   expect_same();
+  camera.readout = 0;
+  expect_same();
+}
+
+// Of images that were rotated by a quarter, the usual direction is not that of the stored rows.
+TEST(CameraFile, ADirectionIsStatedWithEachReadout) {
+  CameraModel camera{.pinhole = {600, 600, 320, 180}, .width = 640, .height = 360};
+  EXPECT_FALSE(Read(CameraFileText(camera)).is_read_direction_stated);
+  camera.readout = 0.02;
+  EXPECT_NE(CameraFileText(camera).find("readout_direction: down\n"), std::string::npos);
+  EXPECT_TRUE(Read(CameraFileText(camera)).is_read_direction_stated);
 }
 
 TEST(CameraFile, AReadoutMayBeGivenByHand) {
   const std::string opencv = CameraFileText({.pinhole = {600, 600, 320, 180}, .width = 640, .height = 360});
   EXPECT_EQ(opencv.find("readout"), std::string::npos) << "of a camera without";
   EXPECT_EQ(Read(opencv).readout, 0);
+  EXPECT_EQ(Read(opencv).readout_sigma, 0) << "not known";
+  EXPECT_NEAR(Read(opencv + "readout_ms: 0\n").readout_sigma, 0.0005, 1e-15) << "a global shutter";
+  EXPECT_GT(Read(opencv + "readout_ms: 0\nreadout_sigma_ms: 0\n").readout_sigma, 0);
   for (const std::string& text : {opencv, std::string(kKalibrWithReadout)}) {
     const std::string indent = text == opencv ? "" : "  ";
     const CameraModel camera = Read(text + indent + "readout_ms: 21\n");
     EXPECT_NEAR(camera.readout, 0.021, 1e-15);
     EXPECT_NEAR(camera.readout_sigma, 0.0005, 1e-15) << "if it is not stated";
     EXPECT_EQ(camera.read_direction, ReadDirection());
+    EXPECT_FALSE(camera.is_read_direction_stated);
     EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_direction: left\n").read_direction,
               (ReadDirection{-1, 0}));
     EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_sigma_ms: 0\n").readout_sigma, 0);

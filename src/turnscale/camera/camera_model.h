@@ -48,14 +48,16 @@ struct CameraModel {
   /// Standard deviation of fy / fx, relative; 0 if the camera file does not state it.
   double aspect_sigma = 0;
 
-  /// Of the images: the camera file's if it states one that is not the usual.
+  /// Of the images: the camera file's if it states one.
   ReadDirection read_direction = {};
+  bool is_read_direction_stated = false;  ///< by the camera file
 
   /// Readout time of a rolling shutter from the first row of the image as it was stored to the last one, along
   /// `read_direction`, seconds; below 0 if it begins with the last one, 0 of a global shutter. The time of an image is
   /// that of its middle row. Project and Undistort are of one instant.
   double readout = 0;
-  double readout_sigma = 0;  ///< standard deviation of it, seconds; 0 if it is exact, or not known
+  /// Standard deviation of it, seconds. 0 if it is exact; where the readout is 0 too, it is not known.
+  double readout_sigma = 0;
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;

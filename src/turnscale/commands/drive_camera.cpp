@@ -86,11 +86,11 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};
   const cv::Size size = images.scaling.Scaled(images.full_size);
-  const ReadDirection read_direction = images.camera.read_direction;
+  const CameraModel given = images.camera;
   if (assumed)
     images.camera = (arguments.field_of_view ? CameraOfView : CameraOfLongerView)(view, size.width, size.height,
                                                                                   images.source.pixel_aspect());
-  images.camera.read_direction = read_direction;
+  images.camera.read_direction = given.read_direction;
   images.camera.width = size.width;
   images.camera.height = size.height;
   if (assumed)
@@ -111,6 +111,10 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
     return {std::nullopt, NoTurn(arguments, settings.odometry.calibration_check.min_turn_deg, used, assumed)};
   }
   images.camera = found->camera;
+  // The run reads the same images: it knows of their readout what was known before.
+  images.camera.readout = given.readout;
+  images.camera.readout_sigma = given.readout_sigma;
+  images.camera.read_direction = given.read_direction;
   return {
       AtFullSize(images.scaling, *found),
       found->converged

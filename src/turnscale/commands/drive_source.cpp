@@ -262,7 +262,7 @@ DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& imag
   const ImageScaling scaling(full_size, image_options);
   CameraModel camera = scaling.Scaled(given.model);
   // Images that were rotated and encoded anew do not tell how the sensor has read them, but the file may.
-  if (camera.read_direction == ReadDirection()) camera.read_direction = source.read_direction();
+  if (!camera.is_read_direction_stated) camera.read_direction = source.read_direction();
   const cv::Mat mask = scaling.ScaledMask(GivenMask(arguments.mask, full_size));
   const int expected = ExpectedFrames(source.count(), arguments.max_frames);
   return {std::move(drive), std::move(given), std::move(source), full_size, scaling, camera, mask, expected};
@@ -371,6 +371,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                                .consequences = {}};
   for (const std::string& warning : ImageWarnings(findings, images.source.first_time(), kError, kError))
     progress.Warn(warning);
+  if (const std::string warning = ContradictedReadoutText(scale); !warning.empty()) progress.Warn(warning);
   const MountCalibration& mount = odometry.mount();
   const std::vector<MountJump> jumps = mount.jumps();
   for (std::size_t i = 0; i < jumps.size(); ++i) {

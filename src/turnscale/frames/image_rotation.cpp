@@ -58,7 +58,7 @@ CameraModel Rotated(CameraModel stored, int degrees, const cv::Size& rotated) {
   // Of the images between, every second one has the sides of the last one.
   for (int left = quarters - 1; left >= 0; --left)
     TurnByQuarter(stored, left % 2 == 0 ? rotated.width : rotated.height);
-  if (stored.read_direction != ReadDirection()) stored.read_direction = Rotated(stored.read_direction, degrees);
+  if (stored.is_read_direction_stated) stored.read_direction = Rotated(stored.read_direction, degrees);
   return stored;
 }
 

@@ -52,6 +52,19 @@ TEST(ImageRotation, RowsFollowOneAnotherAsTheImagesAreTurned) {
   EXPECT_EQ(ReadDirectionAfter([](const cv::Mat& stored) { return cv::Mat(stored.t()); }), (ReadDirection{1, 0}));
 }
 
+TEST(ImageRotation, ADirectionThatTheCameraFileStatesTurnsWithTheImages) {
+  CameraModel camera;
+  camera.width = 320;
+  camera.height = 200;
+  camera.read_direction = {1, 0};
+  camera.is_read_direction_stated = true;
+  const CameraModel down = Rotated(camera, 90, {200, 320});
+  EXPECT_EQ(down.read_direction, (ReadDirection{0, 1}));
+  EXPECT_TRUE(down.is_read_direction_stated) << "though it is the usual one";
+  EXPECT_EQ(Rotated(down, 90, {320, 200}).read_direction, (ReadDirection{-1, 0}));
+  EXPECT_FALSE(Rotated(CameraModel{.width = 320, .height = 200}, 90, {200, 320}).is_read_direction_stated);
+}
+
 TEST(ImageRotation, OtherAnglesAreRefused) {
   EXPECT_NO_THROW(CheckRotation(270));
   for (const int degrees : {45, -90, 360}) EXPECT_THROW(CheckRotation(degrees), InputError);

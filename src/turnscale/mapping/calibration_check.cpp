@@ -46,6 +46,10 @@ constexpr double kNonlinearAspect = 0.25;
 constexpr double kMostAspect = 1.1;
 // The latest windows, half a megabyte each, can be linearised again.
 constexpr size_t kKeptWindows = 12;
+// Of these, earlier ones that are read across at a time: a look is to take little longer than the others.
+constexpr size_t kEarlierAtATime = 2;
+// After which the rows' direction is not tested any more, if it is clear.
+constexpr int kWindowsOfClearDirection = 4;
 // Relative standard deviation of a focal length beyond which an error of 15 % may go unnoticed.
 constexpr double kUndetermined = 0.05;
 // From one look to the next, at most, in halves of a window.
@@ -158,7 +162,7 @@ void CalibrationCheckOptions::Check() const {
 }
 
 std::optional<GivenReadout> ReadoutOf(const CameraModel& camera) {
-  if (camera.readout == 0) return std::nullopt;
+  if (camera.readout == 0 && camera.readout_sigma == 0) return std::nullopt;
   return GivenReadout{camera.readout, camera.readout_sigma};
 }
 
@@ -168,9 +172,7 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const
       given_(given),
       expected_(expected),
       given_readout_(readout),
-      next_keyframe_(options.window - 1) {
-  if (given_readout_) expected_[IntrinsicsChange::kReadout] = given_readout_->seconds;
-}
+      next_keyframe_(options.window - 1) {}
 
 std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
   const int latest = CountKeyframes(map) - 1;
@@ -202,15 +204,16 @@ bool CalibrationCheck::Read(IntrinsicsProblem& window) {
   return true;
 }
 
-bool CalibrationCheck::Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings) const {
+bool CalibrationCheck::Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings,
+                           Place place) const {
   std::optional<Reading> reading = ReadingOf(window, known);
   if (!reading) return false;
   reading->window = std::make_shared<const IntrinsicsProblem>(window);
-  readings.push_back(std::move(*reading));
+  readings.insert(place == Place::kFirst ? readings.begin() : readings.end(), std::move(*reading));
   if (readings.size() > kKeptWindows) {
     Reading& earlier = readings[readings.size() - 1 - kKeptWindows];
     earlier.window.reset();
-    earlier.residuals.clear();
+    earlier.residuals.reset();
   }
   if (known.Holds(IntrinsicsChange::kLogAspect) && !EstimateFrom(readings).Holds(IntrinsicsChange::kLogAspect))
     ReadAgain(readings);
@@ -235,65 +238,98 @@ void CalibrationCheck::ReadAgain(Readings& readings) const {
 }
 
 void CalibrationCheck::TestDirection() {
-  const IntrinsicsEstimate along = EstimateFrom(windows_);
   // Without the aspect, its part of the error is taken for something else.
-  if (options_.aspect_prior_sigma == 0 || (across_.empty() && !IsUnexpected(along))) return;
+  if (options_.aspect_prior_sigma == 0 || is_clearly_along_) return;
+  const IntrinsicsEstimate along = EstimateFrom(windows_);
+  if (across_.empty() && !IsUnexpected(along)) return;
   // They stay beside one another, of the same windows.
-  const size_t first =
-      across_.empty() ? windows_.size() - std::min(windows_.size(), kKeptWindows) : windows_.size() - 1;
-  for (size_t i = first; i < windows_.size(); ++i) {
-    IntrinsicsProblem window = *windows_[i].window;
-    window.ReadAcross();
-    const IntrinsicsEstimate known = EstimateFrom(across_);
-    Vector start = across_.empty() ? along.change : known.change;
-    for (const IntrinsicsChange::Entry entry : known.held) start[entry] = expected_[entry];
-    window.Change(start);
-    if (Add(window, known, across_)) continue;
+  if (!ReadAcross(*windows_.back().window, along, Place::kLast)) {
     // Beginning anew with the next window that is unexpected.
     across_.clear();
+    reads_earlier_ = false;
     direction_ = Direction::kAlong;
     return;
   }
-  direction_ = LikelyDirection();
+  for (size_t read = 0; read < kEarlierAtATime && reads_earlier_ && across_.size() < windows_.size(); ++read) {
+    const Reading& earlier = windows_[windows_.size() - 1 - across_.size()];
+    reads_earlier_ = earlier.window && ReadAcross(*earlier.window, along, Place::kFirst);
+  }
+  CompareDirections();
 }
 
-CalibrationCheck::Direction CalibrationCheck::LikelyDirection() const {
-  const IntrinsicsEstimate across = EstimateFrom(across_);
-  if (across.Holds(IntrinsicsChange::kReadout)) return Direction::kAlong;
-  const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
-  Readings along(windows_.end() - static_cast<std::ptrdiff_t>(across_.size()), windows_.end());
-  double gain = Misfit(along) - Misfit(across_);
+bool CalibrationCheck::ReadAcross(const IntrinsicsProblem& window, const IntrinsicsEstimate& along, Place place) {
+  IntrinsicsProblem turned = window;
+  turned.ReadAcross();
+  const IntrinsicsEstimate known = EstimateFrom(across_);
+  Vector start = across_.empty() ? along.change : known.change;
+  for (const IntrinsicsChange::Entry entry : known.held) start[entry] = expected_[entry];
+  turned.Change(start);
+  return Add(turned, known, across_, place);
+}
+
+void CalibrationCheck::CompareDirections() {
+  const Readings along(windows_.end() - static_cast<std::ptrdiff_t>(across_.size()), windows_.end());
+  const IntrinsicsEstimate estimate_along = EstimateFrom(along);
+  const IntrinsicsEstimate estimate_across = EstimateFrom(across_);
+  double gain = MisfitOfPrior(estimate_along) - MisfitOfPrior(estimate_across);
+  int compared = 0;
   for (size_t i = 0; i < across_.size(); ++i) {
-    const Reading& one = along[i];
-    const Reading& other = across_[i];
-    const double sigma = std::min(one.pixel_sigma, other.pixel_sigma);
-    const auto cost = [&](double residual) {
-      return HuberCost(std::pow(residual / sigma, 2), options_.huber_threshold);
-    };
-    double difference = 0;
-    for (size_t j = 0; j < std::min(one.residuals.size(), other.residuals.size()); ++j)
-      if (std::isfinite(one.residuals[j] + other.residuals[j]))
-        difference += cost(one.residuals[j]) - cost(other.residuals[j]);
-    gain += 2 * deflation * difference;
+    if (!along[i].residuals || !across_[i].residuals) continue;
+    const double sigma = std::min(along[i].pixel_sigma, across_[i].pixel_sigma);
+    gain += MisfitOf(along[i], estimate_along, sigma) - MisfitOf(across_[i], estimate_across, sigma) +
+            ResidualsBeyond(along[i], across_[i], sigma);
+    ++compared;
   }
   const double clear = options_.significance * options_.significance;
-  if (gain > clear) return Direction::kAcross;
-  return gain > -clear ? Direction::kInDoubt : Direction::kAlong;
+  const bool has_none = estimate_across.Holds(IntrinsicsChange::kReadout);
+  const bool is_along = has_none || gain <= -clear;
+  direction_ = is_along ? Direction::kAlong : gain > clear ? Direction::kAcross : Direction::kOpen;
+  is_clearly_along_ = compared >= kWindowsOfClearDirection && (has_none ? WouldShowReadout(across_) : is_along);
+  if (is_clearly_along_) across_.clear();
 }
 
-double CalibrationCheck::Misfit(const Readings& readings) const {
-  const Entries held = Held(readings);
-  const IntrinsicsEstimate estimate = EstimateHolding(readings, held);
-  const Vector off = estimate.change - expected_;
-  double misfit = off.dot(PriorCovariance().inverse() * off);
-  for (Reading reading : readings) {
-    Hold(held, expected_, reading.information, reading.weighted_minimum);
-    const Vector pull = reading.weighted_minimum - reading.information * estimate.change;
-    const double square = pull.dot(reading.information.ldlt().solve(pull));
-    const double entries = EstimatedEntries(held);
-    misfit += (kStudentDof + entries) * std::log1p(square / kStudentDof) - reading.left;
-  }
-  return misfit;
+bool CalibrationCheck::WouldShowReadout(const Readings& readings) const {
+  constexpr int kEntry = IntrinsicsChange::kReadout;
+  const IntrinsicsEstimate free = EstimateHolding(readings, {IntrinsicsChange::kLogAspect});
+  return options_.significance * std::sqrt(free.covariance(kEntry, kEntry)) < options_.min_readout;
+}
+
+double CalibrationCheck::MisfitOfPrior(const IntrinsicsEstimate& estimate) const {
+  const Prior prior = PresentPrior();
+  const Vector off = estimate.change - prior.mean;
+  return off.dot(prior.covariance.inverse() * off);
+}
+
+double CalibrationCheck::MisfitOf(const Reading& reading, const IntrinsicsEstimate& estimate,
+                                  double pixel_sigma) const {
+  const double rescale = std::pow(reading.pixel_sigma / pixel_sigma, 2);
+  Matrix information = rescale * reading.own_information;
+  Vector gradient = rescale * reading.own_gradient;
+  // How far the window's own minimum lies from the common one.
+  Reading widened = Widened(information, information * reading.at - gradient);
+  Hold(estimate.held, expected_, widened.information, widened.weighted_minimum);
+  const Vector pull = widened.weighted_minimum - widened.information * estimate.change;
+  const double square = pull.dot(widened.information.ldlt().solve(pull));
+  // How far the cost is from that of the window's own minimum, where entries that are held are as expected.
+  Vector to_held = Vector::Zero();
+  for (const IntrinsicsChange::Entry entry : estimate.held) to_held[entry] = expected_[entry] - reading.at[entry];
+  const double gained = -to_held.dot(2 * gradient + information * to_held);
+  Hold(estimate.held, -to_held, information, gradient);
+  const double left = gained + gradient.dot(information.ldlt().solve(gradient));
+  return (kStudentDof + EstimatedEntries(estimate.held)) * std::log1p(square / kStudentDof) - left;
+}
+
+double CalibrationCheck::ResidualsBeyond(const Reading& reading, const Reading& other, double pixel_sigma) const {
+  const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
+  const std::vector<double>& ones = *reading.residuals;
+  const std::vector<double>& others = *other.residuals;
+  const auto cost = [&](double residual) {
+    return HuberCost(std::pow(residual / pixel_sigma, 2), options_.huber_threshold);
+  };
+  double difference = 0;
+  for (size_t i = 0; i < std::min(ones.size(), others.size()); ++i)
+    if (std::isfinite(ones[i] + others[i])) difference += cost(ones[i]) - cost(others[i]);
+  return 2 * deflation * difference;
 }
 
 bool CalibrationCheck::Observe(const Map& map) {
@@ -341,26 +377,28 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
       Reading reading = Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
       reading.aspect = evidence->at[IntrinsicsChange::kLogAspect];
       reading.pixel_sigma = evidence->pixel_sigma;
-      reading.left = gradient.dot(information.ldlt().solve(gradient));
-      reading.residuals = window.Residuals();
+      reading.at = evidence->at;
+      reading.own_information = deflation * evidence->information;
+      reading.own_gradient = deflation * evidence->gradient;
+      reading.residuals = std::make_shared<const std::vector<double>>(window.Residuals());
       return reading;
     }
     window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
 
-CalibrationCheck::Entries CalibrationCheck::Held(const Readings& readings) const {
+CalibrationCheck::Entries CalibrationCheck::Held(const Readings& readings, const Prior& prior) const {
   Entries held;
-  if (!Shows(IntrinsicsChange::kLogAspect, options_.min_aspect_error, readings, held))
+  if (!Shows(IntrinsicsChange::kLogAspect, options_.min_aspect_error, readings, prior, held))
     held.push_back(IntrinsicsChange::kLogAspect);
-  if (!given_readout_ && !Shows(IntrinsicsChange::kReadout, options_.min_readout, readings, held))
+  if (!prior.has_readout && !Shows(IntrinsicsChange::kReadout, options_.min_readout, readings, prior, held))
     held.push_back(IntrinsicsChange::kReadout);
   return held;
 }
 
-bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings,
+bool CalibrationCheck::Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings, const Prior& prior,
                              const Entries& held) const {
-  const IntrinsicsEstimate estimate = EstimateHolding(readings, held);
+  const IntrinsicsEstimate estimate = EstimateWith(prior, readings, held);
   if (entry == IntrinsicsChange::kLogAspect && !MayHaveAspect(estimate)) return false;
   const double off = std::abs(estimate.change[entry] - expected_[entry]);
   return off > least && off > options_.significance * std::sqrt(estimate.covariance(entry, entry));
@@ -384,17 +422,19 @@ bool CalibrationCheck::IsUnexpected(const IntrinsicsEstimate& along) const {
 
 IntrinsicsEstimate CalibrationCheck::Estimate() const {
   IntrinsicsEstimate estimate = EstimateFrom(readings());
-  if (direction_ != Direction::kInDoubt) return estimate;
-  // Either camera may be the right one.
-  Vector difference = estimate.change - EstimateFrom(across_).change;
-  difference[IntrinsicsChange::kReadout] = 0;
-  estimate.covariance += difference.array().square().matrix().asDiagonal();
+  if (direction_ == Direction::kOpen) AddDifference(EstimateFrom(across_), estimate);
   return estimate;
 }
 
+void CalibrationCheck::AddDifference(const IntrinsicsEstimate& across, IntrinsicsEstimate& along) const {
+  Vector difference = along.change - across.change;
+  difference[IntrinsicsChange::kReadout] = 0;
+  along.covariance += difference.array().square().matrix().asDiagonal();
+}
+
 std::optional<ShutterReadout> CalibrationCheck::Readout(const CameraModel& camera) const {
-  if (windows_.empty() || std::ranges::any_of(Contradictions(camera), IsOfCamera)) {
-    if (!given_readout_) return std::nullopt;
+  if (windows_.empty() || !Contradictions(camera).empty()) {
+    if (!given_readout_ || given_readout_->seconds == 0) return std::nullopt;
     return ShutterReadout{given_readout_->seconds, given_readout_->sigma, camera.read_direction};
   }
   return LatestReadout();
@@ -402,12 +442,15 @@ std::optional<ShutterReadout> CalibrationCheck::Readout(const CameraModel& camer
 
 std::optional<ShutterReadout> CalibrationCheck::LatestReadout() const {
   constexpr int kEntry = IntrinsicsChange::kReadout;
+  if (windows_.empty() || direction_ == Direction::kOpen) return std::nullopt;
+  const bool is_known = given_readout_ && !is_readout_contradicted_;
+  if (is_known && given_readout_->seconds == 0) return std::nullopt;
   const IntrinsicsEstimate estimate = EstimateFrom(readings());
-  if (windows_.empty() || estimate.Holds(IntrinsicsChange::kReadout)) return std::nullopt;
+  if (estimate.Holds(IntrinsicsChange::kReadout)) return std::nullopt;
   const double seconds = estimate.change[kEntry];
   double sigma = std::sqrt(estimate.covariance(kEntry, kEntry));
   // What windows get wrong alike does not make it less certain than it was.
-  if (given_readout_ && !is_readout_contradicted_) sigma = std::min(sigma, given_readout_->sigma);
+  if (is_known) sigma = std::min(sigma, given_readout_->sigma);
   if (!IsReadAcross()) return ShutterReadout{seconds, sigma, read_direction_};
   // No row is stored as the first one.
   const ReadDirection across = Across(read_direction_);
@@ -422,17 +465,23 @@ ParameterEstimate CalibrationCheck::AspectOf(const IntrinsicsEstimate& estimate)
   return {IntrinsicsParameter::kPixelAspect, given, found, found * std::sqrt(estimate.covariance(kEntry, kEntry))};
 }
 
-double CalibrationCheck::ReadoutPriorSigma() const {
+CalibrationCheck::Prior CalibrationCheck::PriorWith(const std::optional<GivenReadout>& readout,
+                                                    double sigma_if_unknown) const {
   // A sigma of 0 has no inverse.
   constexpr double kLeast = 1e-5;
-  if (!given_readout_ || is_readout_contradicted_) return options_.readout_prior_sigma;
-  return std::max(given_readout_->sigma, kLeast);
+  Prior prior{expected_, PriorCovariance(readout ? std::max(readout->sigma, kLeast) : sigma_if_unknown),
+              readout.has_value()};
+  if (readout) prior.mean[IntrinsicsChange::kReadout] = readout->seconds;
+  return prior;
 }
 
 ParameterEstimate CalibrationCheck::ReadoutAgainstGiven() const {
   constexpr int kEntry = IntrinsicsChange::kReadout;
-  const IntrinsicsEstimate alone =
-      EstimateWith(PriorCovariance(options_.readout_prior_sigma), readings(), Held(readings()));
+  // As wide as what is given, so that the prior alone contradicts nothing.
+  const Prior prior = PriorWith(std::nullopt, std::hypot(options_.readout_prior_sigma, given_readout_->seconds));
+  Entries held = Held(readings(), prior);
+  std::erase(held, IntrinsicsChange::kReadout);
+  const IntrinsicsEstimate alone = EstimateWith(prior, readings(), held);
   return {IntrinsicsParameter::kReadout, given_readout_->seconds, alone.change[kEntry],
           std::hypot(given_readout_->sigma, std::sqrt(alone.covariance(kEntry, kEntry)))};
 }
@@ -452,7 +501,7 @@ double CalibrationCheck::EstimatedEntries(const Entries& held) const {
          static_cast<double>(held.size());
 }
 
-IntrinsicsEstimate CalibrationCheck::EstimateWith(const Matrix& prior_covariance, const Readings& readings,
+IntrinsicsEstimate CalibrationCheck::EstimateWith(const Prior& known, const Readings& readings,
                                                   const Entries& held) const {
   struct Evidence {
     Matrix information;
@@ -462,12 +511,12 @@ IntrinsicsEstimate CalibrationCheck::EstimateWith(const Matrix& prior_covariance
   std::vector<Evidence> windows;
   for (const Reading& reading : readings) {
     windows.push_back({reading.information, reading.weighted_minimum, reading.aspect});
-    Hold(held, expected_, windows.back().information, windows.back().weighted_minimum);
+    Hold(held, known.mean, windows.back().information, windows.back().weighted_minimum);
   }
-  const Matrix prior = prior_covariance.inverse();
+  const Matrix prior = known.covariance.inverse();
   IntrinsicsEstimate estimate;
-  estimate.change = expected_;
-  estimate.covariance = prior_covariance;
+  estimate.change = known.mean;
+  estimate.covariance = known.covariance;
   estimate.held = held;
   if (windows.empty()) return estimate;
   const double entries = EstimatedEntries(held);
@@ -476,7 +525,7 @@ IntrinsicsEstimate CalibrationCheck::EstimateWith(const Matrix& prior_covariance
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
     Matrix information = prior;
-    Vector weighted = prior * expected_;
+    Vector weighted = prior * known.mean;
     for (size_t i = 0; i < windows.size(); ++i) {
       information += weights[i] * windows[i].information;
       weighted += weights[i] * windows[i].weighted_minimum;
@@ -515,7 +564,7 @@ IntrinsicsEstimate CalibrationCheck::EstimateWith(const Matrix& prior_covariance
 }
 
 std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& camera) const {
-  const IntrinsicsEstimate estimate = EstimateFrom(readings());
+  const IntrinsicsEstimate estimate = Estimate();
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
   Vector distortion = WeightsOfDistortion(given_);
@@ -528,7 +577,8 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
       {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
        std::sqrt(distortion.dot(estimate.covariance * distortion))}};
   const bool holds_aspect = estimate.Holds(IntrinsicsChange::kLogAspect);
-  const IntrinsicsEstimate with_aspect = holds_aspect ? EstimateHolding(readings(), {}) : estimate;
+  IntrinsicsEstimate with_aspect = holds_aspect ? EstimateHolding(readings(), {}) : estimate;
+  if (holds_aspect && direction_ == Direction::kOpen) AddDifference(EstimateHolding(across_, {}), with_aspect);
   if (!holds_aspect || MayHaveAspect(with_aspect)) parameters.push_back(AspectOf(with_aspect));
   if (given_readout_) parameters.push_back(ReadoutAgainstGiven());
   return parameters;
@@ -566,8 +616,14 @@ bool CalibrationCheck::Deviates(const ParameterEstimate& estimate, double signif
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   if (windows_.empty()) return {};
   std::vector<ParameterEstimate> contradictions = Parameters(camera);
-  std::erase_if(contradictions, [&](const ParameterEstimate& estimate) { return !Contradicts(estimate); });
+  std::erase_if(contradictions,
+                [&](const ParameterEstimate& estimate) { return !IsOfCamera(estimate) || !Contradicts(estimate); });
   return contradictions;
+}
+
+std::optional<ParameterEstimate> CalibrationCheck::ContradictedReadout(const CameraModel& camera) const {
+  if (!is_readout_contradicted_ || !Contradictions(camera).empty()) return std::nullopt;
+  return ReadoutAgainstGiven();
 }
 
 std::vector<ParameterEstimate> CalibrationCheck::Doubts(const CameraModel& camera) const {

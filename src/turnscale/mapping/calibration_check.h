@@ -152,10 +152,12 @@ class CalibrationCheck {
   /// Whether as many windows were read as there may be: no more are.
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error. The pixels'
-  /// aspect and the readout are as expected unless the windows contradict that.
+  /// aspect and the readout are as expected unless the windows contradict that. While it is open in which direction the
+  /// image is read, they include the difference, too.
   IntrinsicsEstimate Estimate() const;
-  /// Of what is known and what the images show. Empty if neither is anything, or if the images contradict the
-  /// calibration: a wrong camera may look like a rolling shutter.
+  /// Of what is known and what the images show. Empty if neither is anything, and while it is open in which direction
+  /// the image is read. If the images contradict the calibration, only what is known: a wrong camera may look like a
+  /// rolling shutter.
   std::optional<ShutterReadout> Readout(const CameraModel& camera) const;
   /// The same of intrinsics that are estimated: whether they contradict the ones to start with does not matter. Of
   /// windows that were read.
@@ -169,8 +171,12 @@ class CalibrationCheck {
   bool Contradicts(const ParameterEstimate& estimate) const;
   /// Whether a readout along the columns was tested, and explains the turns clearly better than one along the rows.
   bool IsReadAcross() const { return direction_ == Direction::kAcross; }
-  /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
+  /// Whether it was tested, and neither explains them clearly better.
+  bool IsDirectionOpen() const { return direction_ == Direction::kOpen; }
+  /// Those inconsistent with what is used, the readout apart; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
+  /// The readout that is known, if the windows contradict it and nothing else: theirs takes its place.
+  std::optional<ParameterEstimate> ContradictedReadout(const CameraModel& camera) const;
   /// Those that deviate by as much, but only by more than `doubt` standard deviations; without the pixels' aspect and
   /// the readout.
   std::vector<ParameterEstimate> Doubts(const CameraModel& camera) const;
@@ -191,33 +197,47 @@ class CalibrationCheck {
     IntrinsicsChange::Vector weighted_minimum;
     double aspect = 0;       ///< change of its log at which the window was linearised
     double pixel_sigma = 0;  ///< pixels
-    double left = 0;         ///< twice the cost above the parabola's minimum, at the end of the reading
-    std::vector<double> residuals =
-        {};  ///< at the end of the reading (IntrinsicsProblem::Residuals), of the latest ones
-    std::shared_ptr<const IntrinsicsProblem> window = nullptr;  ///< of the latest ones
+    // The parabola of the window without what it gets wrong beyond its noise, where the reading ended:
+    IntrinsicsChange::Vector at = IntrinsicsChange::Vector::Zero();
+    IntrinsicsChange::Matrix own_information = IntrinsicsChange::Matrix::Zero();
+    IntrinsicsChange::Vector own_gradient = IntrinsicsChange::Vector::Zero();
+    // Of the latest ones:
+    std::shared_ptr<const std::vector<double>> residuals = nullptr;  ///< there (IntrinsicsProblem::Residuals)
+    std::shared_ptr<const IntrinsicsProblem> window = nullptr;
   };
   using Readings = std::vector<Reading>;
-  /// In which rows follow one another: as in the camera, across it (Across), or in doubt between the two.
-  enum class Direction { kAlong, kAcross, kInDoubt };
+  /// In which rows follow one another: as in the camera, across it (Across), or one of the two.
+  enum class Direction { kAlong, kAcross, kOpen };
+  /// What is known of the intrinsics without the windows.
+  struct Prior {
+    IntrinsicsChange::Vector mean;
+    IntrinsicsChange::Matrix covariance;
+    bool has_readout = false;  ///< one that is known
+  };
   /// Those that count.
   const Readings& readings() const { return IsReadAcross() ? across_ : windows_; }
   /// What the estimate leaves as expected.
-  Entries Held(const Readings& readings) const;
+  Entries Held(const Readings& readings, const Prior& prior) const;
+  Entries Held(const Readings& readings) const { return Held(readings, PresentPrior()); }
   /// Whether an entry is off what is expected, by more than `least` and significantly.
-  bool Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings, const Entries& held) const;
+  bool Shows(IntrinsicsChange::Entry entry, double least, const Readings& readings, const Prior& prior,
+             const Entries& held) const;
   /// Whether the windows leave what is expected in doubt, the distortion apart. `along`: their estimate.
   bool IsUnexpected(const IntrinsicsEstimate& along) const;
   /// Whether the pixels' aspect is estimated, and is one that occurs.
   bool MayHaveAspect(const IntrinsicsEstimate& estimate) const;
   /// From these readings, those of `held` as expected.
   IntrinsicsEstimate EstimateHolding(const Readings& readings, const Entries& held) const {
-    return EstimateWith(PriorCovariance(), readings, held);
+    return EstimateWith(PresentPrior(), readings, held);
   }
-  IntrinsicsEstimate EstimateWith(const IntrinsicsChange::Matrix& prior_covariance, const Readings& readings,
-                                  const Entries& held) const;
+  IntrinsicsEstimate EstimateWith(const Prior& prior, const Readings& readings, const Entries& held) const;
   /// The readout that is known, compared with that of the windows alone.
   ParameterEstimate ReadoutAgainstGiven() const;
-  double ReadoutPriorSigma() const;
+  Prior PriorWith(const std::optional<GivenReadout>& readout, double sigma_if_unknown) const;
+  /// Without the readout that is known if the windows contradict it.
+  Prior PresentPrior() const {
+    return PriorWith(is_readout_contradicted_ ? std::nullopt : given_readout_, options_.readout_prior_sigma);
+  }
   IntrinsicsEstimate EstimateFrom(const Readings& readings) const { return EstimateHolding(readings, Held(readings)); }
   ParameterEstimate AspectOf(const IntrinsicsEstimate& estimate) const;
   /// Standard deviations, as in the options.
@@ -230,23 +250,35 @@ class CalibrationCheck {
     double readout = 0;
   };
   IntrinsicsChange::Matrix Covariance(const Sigmas& sigmas) const;
-  IntrinsicsChange::Matrix PriorCovariance() const { return PriorCovariance(ReadoutPriorSigma()); }
   IntrinsicsChange::Matrix PriorCovariance(double readout_sigma) const;
   double EstimatedEntries(const Entries& held) const;  ///< how many there are
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
   /// `known`: what is known without the window, which guides the way, and is taken off again.
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window, const IntrinsicsEstimate& known) const;
+  enum class Place { kFirst, kLast };
   /// Adds a reading, and linearises the others anew if the pixels' aspect is free from now on. False where the window
   /// does not determine the intrinsics.
-  bool Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings) const;
+  bool Add(IntrinsicsProblem& window, const IntrinsicsEstimate& known, Readings& readings,
+           Place place = Place::kLast) const;
   /// Linearises windows anew, with the pixels' aspect free.
   void ReadAgain(Readings& readings) const;
-  /// Reads windows with rows across the camera's read direction, if there is reason to.
+  /// Reads windows with rows across the camera's read direction, if there is reason to: the latest one, and a few of
+  /// those before that were not.
   void TestDirection();
-  Direction LikelyDirection() const;
-  /// Minus twice the log-likelihood of what windows and prior have left, but for the residuals.
-  double Misfit(const Readings& readings) const;
+  bool ReadAcross(const IntrinsicsProblem& window, const IntrinsicsEstimate& along, Place place);
+  /// Sets the direction to what is likely with these readings.
+  void CompareDirections();
+  /// Whether the least readout that is reported would be significant.
+  bool WouldShowReadout(const Readings& readings) const;
+  /// Minus twice the log-likelihood of what the prior and a window have left, but for the residuals. `pixel_sigma`: in
+  /// whose units, pixels.
+  double MisfitOfPrior(const IntrinsicsEstimate& estimate) const;
+  double MisfitOf(const Reading& reading, const IntrinsicsEstimate& estimate, double pixel_sigma) const;
+  /// The same of the residuals of one reading less those of another.
+  double ResidualsBeyond(const Reading& reading, const Reading& other, double pixel_sigma) const;
+  /// Adds what else the intrinsics may be where the rows follow one another in the other direction.
+  void AddDifference(const IntrinsicsEstimate& across, IntrinsicsEstimate& along) const;
 
   CalibrationCheckOptions options_;
   Pinhole given_;
@@ -256,7 +288,9 @@ class CalibrationCheck {
   Readings windows_;
   Readings across_;  ///< the latest ones of `windows_`, with rows across; empty while there is no reason
   Direction direction_ = Direction::kAlong;
-  ReadDirection read_direction_;  ///< of the camera
+  bool is_clearly_along_ = false;  ///< no more windows are read across
+  bool reads_earlier_ = true;      ///< ones across
+  ReadDirection read_direction_;   ///< of the camera
   double observed_radius_ = 0;
   int next_keyframe_ = 0;
 };

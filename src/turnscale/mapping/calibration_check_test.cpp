@@ -356,13 +356,115 @@ TEST(CalibrationCheck, AReadoutThatIsKnownIsRefined) {
 TEST(CalibrationCheck, AReadoutThatIsContradictedIsReportedAndReplaced) {
   const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 4);
   const CalibrationCheck check = CheckWithReadout(map, {0.02, 0.001});
-  const std::vector<ParameterEstimate> contradictions = check.Contradictions(map.camera);
-  ASSERT_EQ(contradictions.size(), 1U);
-  EXPECT_EQ(contradictions[0].parameter, IntrinsicsParameter::kReadout);
-  EXPECT_NEAR(contradictions[0].found, 0, 0.002);
+  EXPECT_TRUE(check.Contradictions(map.camera).empty()) << "the camera is right";
+  const std::optional<ParameterEstimate> contradicted = check.ContradictedReadout(map.camera);
+  ASSERT_TRUE(contradicted);
+  EXPECT_EQ(contradicted->given, 0.02);
+  EXPECT_NEAR(contradicted->found, 0, 0.001);
+  EXPECT_LT(contradicted->sigma, 0.003);
   EXPECT_EQ(check.Verdict(map.camera), CalibrationVerdict::kNotContradicted) << "with the other readout";
+  EXPECT_FALSE(check.Readout(map.camera)) << "a global shutter";
+  EXPECT_TRUE(check.Estimate().Holds(IntrinsicsChange::kReadout));
+  EXPECT_EQ(check.Estimate().change[IntrinsicsChange::kReadout], 0);
+}
+
+TEST(CalibrationCheck, AnotherReadoutThanTheKnownOneTakesItsPlace) {
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  const Map map = WrongMap(kRightAndLeft, error, 0.3, 4);
+  for (const double given : {0.0, 0.01, -0.025, 0.15}) {
+    const CalibrationCheck check = CheckWithReadout(map, {given, 0.0005});
+    ASSERT_TRUE(check.ContradictedReadout(map.camera)) << given;
+    EXPECT_NEAR(check.ContradictedReadout(map.camera)->found, 0.025, 0.002) << given;
+    ASSERT_TRUE(check.Readout(map.camera)) << given;
+    EXPECT_NEAR(check.Readout(map.camera)->seconds, 0.025, 0.002) << given;
+    EXPECT_TRUE(check.Contradictions(map.camera).empty()) << given;
+  }
+}
+
+// A wrong camera may look like another readout.
+TEST(CalibrationCheck, AReadoutThatIsKnownStaysWhereTheCameraIsContradicted) {
+  const Map map = WrongMap(kRightAndLeft, Change(0.14, 0, 0, 0), 0.3, 4);
+  const CalibrationCheck check = CheckWithReadout(map, {0.02, 0.0005});
+  EXPECT_FALSE(check.Contradictions(map.camera).empty());
+  EXPECT_FALSE(check.ContradictedReadout(map.camera));
   ASSERT_TRUE(check.Readout(map.camera));
-  EXPECT_NEAR(check.Readout(map.camera)->seconds, 0, 0.002);
+  EXPECT_EQ(check.Readout(map.camera)->seconds, 0.02);
+}
+
+TEST(CalibrationCheck, AGlobalShutterMayBeKnown) {
+  CameraModel camera;
+  EXPECT_FALSE(ReadoutOf(camera));
+  camera.readout_sigma = 0.0005;
+  ASSERT_TRUE(ReadoutOf(camera));
+  const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 4);
+  const CalibrationCheck check = CheckWithReadout(map, *ReadoutOf(camera));
+  EXPECT_GT(check.windows(), 1);
+  EXPECT_FALSE(check.ContradictedReadout(map.camera));
+  EXPECT_FALSE(check.Readout(map.camera));
+  EXPECT_FALSE(check.Estimate().Holds(IntrinsicsChange::kReadout));
+  EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kReadout], 0, 0.001);
+}
+
+// Long enough for more windows than are kept.
+const std::vector<DriveSegment> kManyTurns = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07},
+                                              {4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07},
+                                              {4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07},
+                                              {4, 0.8, 0}, {22, 0.7, 0.07}};
+
+// All windows there are, one after another.
+CalibrationCheck CheckWindows(const Map& whole, int windows, const CalibrationCheckOptions& options = {}) {
+  CalibrationCheck check(options, whole.camera.pinhole);
+  const int length = options.window;
+  const int last_first = CountKeyframes(whole) - length;
+  for (int i = 0; i < windows; ++i) {
+    IntrinsicsWindow window;
+    window.first = last_first * i / (windows - 1);
+    window.last = window.first + length - 1;
+    window.max_landmarks = options.max_landmarks;
+    window.huber_threshold = options.huber_threshold;
+    IntrinsicsProblem problem(whole, whole.camera, window, options.pixel_sigma);
+    EXPECT_TRUE(check.Read(problem)) << i;
+  }
+  EXPECT_EQ(check.windows(), windows);
+  return check;
+}
+
+TEST(CalibrationCheck, TheDirectionIsThatOfTheSensorAfterMoreWindowsThanAreKept) {
+  constexpr int kWindows = 18;
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  const Map columns = WrongMap(kManyTurns, error, 0.3, 4, Eigen::Quaterniond::Identity(), true);
+  const CalibrationCheck across = CheckWindows(columns, kWindows);
+  EXPECT_TRUE(across.IsReadAcross());
+  ASSERT_TRUE(across.Readout(columns.camera));
+  EXPECT_NEAR(across.Readout(columns.camera)->seconds, 0.025, 0.003);
+  EXPECT_TRUE(across.Contradictions(columns.camera).empty());
+  const Map rows = WrongMap(kManyTurns, error, 0.3, 4);
+  const CalibrationCheck along = CheckWindows(rows, kWindows);
+  EXPECT_FALSE(along.IsReadAcross());
+  ASSERT_TRUE(along.Readout(rows.camera));
+  EXPECT_NEAR(along.Readout(rows.camera)->seconds, 0.025, 0.002);
+  EXPECT_FALSE(CheckWindows(WrongMap(kManyTurns, Change(0, 40, 0, 0), 0.3, 4), kWindows).IsReadAcross());
+}
+
+// One direction explains the windows better, but not by as much as is asked for.
+TEST(CalibrationCheck, ADirectionThatIsOpenCorrectsNothingAndWidensSigmas) {
+  Vector error = Vector::Zero();
+  error[IntrinsicsChange::kReadout] = -0.025;
+  const Map map = WrongMap(kRightAndLeft, error, 0.3, 4, Eigen::Quaterniond::Identity(), true);
+  CalibrationCheckOptions options;
+  options.significance = 8;
+  options.pixel_sigma_inflation = 11;
+  const CalibrationCheck check = CheckAlong(map, options);
+  ASSERT_TRUE(check.IsDirectionOpen());
+  EXPECT_FALSE(check.IsReadAcross());
+  EXPECT_FALSE(check.Readout(map.camera));
+  EXPECT_FALSE(check.LatestReadout());
+  const Vector sigmas = check.Estimate().covariance.diagonal().cwiseSqrt();
+  EXPECT_NEAR(Of(IntrinsicsParameter::kCentreX, check).sigma, sigmas[IntrinsicsChange::kCentreX], 1e-9);
+  EXPECT_NEAR(Of(IntrinsicsParameter::kCentreY, check).sigma, sigmas[IntrinsicsChange::kCentreY], 1e-9);
+  EXPECT_TRUE(check.Contradictions(map.camera).empty());
 }
 
 TEST(CalibrationCheck, AReadoutThatIsKnownStaysWithoutATurn) {

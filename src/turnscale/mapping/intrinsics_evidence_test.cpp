@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/QR>
@@ -151,6 +152,58 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
   }
   for (int i = 0; i < kEntries; ++i)
     EXPECT_NEAR(evidence[1].information(i, i) / evidence[0].information(i, i), 1, 1e-4);
+}
+
+double MeanResidual(const IntrinsicsProblem& problem) {
+  double sum = 0;
+  int count = 0;
+  for (const double length : problem.Residuals()) {
+    if (!std::isfinite(length)) continue;
+    sum += length;
+    ++count;
+  }
+  return count > 0 ? sum / count : HUGE_VAL;
+}
+
+TEST(IntrinsicsProblem, ResidualsAreWhatThePixelsAreOff) {
+  const Map map = CornerMap(10, 0.3, 5);
+  IntrinsicsProblem problem(map, map.camera, Whole(map), 0.5);
+  const std::vector<double> residuals = problem.Residuals();
+  ASSERT_EQ(residuals.size(), problem.bundle().observations.size());
+  const BundleProblem& bundle = problem.bundle();
+  for (size_t i = 0; i < residuals.size(); ++i) {
+    const BundleObservation& seen = bundle.observations[i];
+    const Eigen::Vector3d x = bundle.camera_from_world[seen.camera] * bundle.points[seen.point];
+    EXPECT_NEAR(residuals[i], (map.camera.pinhole.Project(x) - seen.pixel).norm(), 1e-9);
+  }
+  // The mean length of two normal errors.
+  EXPECT_NEAR(MeanResidual(problem), 0.3 * std::sqrt(std::numbers::pi / 2), 0.03);
+  // In the image, an error is what it was before the pixels are moved apart.
+  IntrinsicsProblem wider(map, map.camera, Whole(map), 0.5);
+  wider.Change(Change(0.1, 0, 0, 0));
+  EXPECT_GT(MeanResidual(wider), 3);
+}
+
+TEST(IntrinsicsProblem, ReadingAcrossExplainsAReadoutAlongTheColumns) {
+  constexpr double kSeconds = 0.02;
+  const CarDrive drive = MakeCarDrive(kCorner, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  for (const bool reads_columns : {false, true}) {
+    const Map map =
+        MakeMap(drive, {.points_per_step = 10, .pixel_noise = 0, .readout = kSeconds, .reads_columns = reads_columns});
+    IntrinsicsProblem along(map, map.camera, Whole(map), 0.5);
+    EXPECT_EQ(along.read_direction(), ReadDirection());
+    Vector change = Vector::Zero();
+    change[IntrinsicsChange::kReadout] = kSeconds;
+    along.Change(change);
+    IntrinsicsProblem across = along;
+    across.ReadAcross();
+    EXPECT_EQ(across.read_direction(), (ReadDirection{1, 0}));
+    const double right = MeanResidual(reads_columns ? across : along);
+    EXPECT_LT(right, 0.1 * MeanResidual(reads_columns ? along : across)) << reads_columns;
+    across.ReadAcross();
+    EXPECT_EQ(across.read_direction(), ReadDirection());
+    EXPECT_EQ(across.Residuals(), along.Residuals()) << "back again";
+  }
 }
 
 // Seen for longest, in a straight, is what lies ahead.

@@ -156,10 +156,8 @@ void Odometry::Finish() {
   tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
   const std::optional<ShutterReadout> readout = calibration_check().Readout(map_.camera);
-  if (readout) {
-    map_.camera.readout = readout->seconds;
-    map_.camera.read_direction = readout->direction;
-  }
+  map_.camera.readout = readout ? readout->seconds : 0;
+  if (readout) map_.camera.read_direction = readout->direction;
   AdjustWholeDrive();
   refined_ = Refined();
   const bool uses_single_turns = refined_->estimate && refined_->estimate->uses_single_turns;
@@ -443,6 +441,7 @@ RefinedScale Odometry::Refined() const {
   refined.calibration_in_doubt = check.windows() > 0 && refined.contradicted_calibration.empty() &&
                                  (!refined.doubtful_calibration.empty() || !check.DeterminesFocalLength());
   refined.aspect_sigma = map_.camera.aspect_sigma;
+  refined.contradicted_readout = check.ContradictedReadout(map_.camera);
   refined.readout = check.Readout(map_.camera);
   if (refined.readout) refined.readout->is_corrected = finished_ && map_.camera.readout != 0;
   BridgeGapsOf(refined);

@@ -35,6 +35,8 @@ struct RefinedScale {
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
+  /// The camera file's readout of a rolling shutter, where the turns contradict it and nothing else; theirs is used.
+  std::optional<ParameterEstimate> contradicted_readout;
   /// Those that may be, where none is; likewise (CalibrationCheck::Doubts).
   std::vector<ParameterEstimate> doubtful_calibration;
   bool calibration_in_doubt = false;  ///< for that reason, or as the turns do not determine the focal length

@@ -26,9 +26,6 @@ std::string FoundText(const ParameterEstimate& estimate, bool has_distortion) {
   if (estimate.parameter == IntrinsicsParameter::kPixelAspect)
     return fmt::format("pixels {:.3g} +-{:.2g} times as wide as high, but the calibration has {:.3g} (fy / fx)",
                        estimate.found, estimate.sigma, estimate.given);
-  if (estimate.parameter == IntrinsicsParameter::kReadout)
-    return fmt::format("a readout time of {:.1f} +-{:.2g} ms, but the camera file has {:.1f}", 1e3 * estimate.found,
-                       1e3 * estimate.sigma, 1e3 * estimate.given);
   const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
   const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
   const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
@@ -98,6 +95,14 @@ std::vector<std::string> ImageWarnings(const ImageFindings& findings, double fir
   if (!findings.consequences.empty()) warnings.back() += "; this may also be why " + Listed(findings.consequences);
   if (blending) warnings.back() += "; the blending may be the cause";
   return warnings;
+}
+
+std::string ContradictedReadoutText(const RefinedScale& scale) {
+  if (!scale.contradicted_readout) return "";
+  const auto& [parameter, given, found, sigma] = *scale.contradicted_readout;
+  return fmt::format("the turns give a readout time of {:.1f} +-{:.2g} ms, but the camera file has {:.1f}; {}",
+                     1e3 * found, 1e3 * sigma, 1e3 * given,
+                     scale.readout ? "that of the turns is used" : "the images are taken to have none");
 }
 
 std::string RotationAdvice(int rotated, int more) {

@@ -7,6 +7,7 @@
 
 #include "turnscale/frames/blended_frames.h"
 #include "turnscale/mapping/calibration_check.h"
+#include "turnscale/odometry/refined_scale.h"
 
 namespace turnscale {
 
@@ -29,6 +30,9 @@ struct ImageFindings {
 /// and says that blending may be the cause.
 std::vector<std::string> ImageWarnings(const ImageFindings& findings, double first_time,
                                        const std::string& blending_error, const std::string& calibration_error);
+
+/// That the images of turns contradict the readout time of the camera file, and what is used; empty where they do not.
+std::string ContradictedReadoutText(const RefinedScale& scale);
 
 /// What to do about images that have been rotated by `rotated` degrees, and have to be by `more` degrees more.
 std::string RotationAdvice(int rotated, int more);

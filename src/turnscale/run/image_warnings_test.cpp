@@ -26,6 +26,17 @@ ImageFindings Contradicted() {
 
 TEST(ImageWarnings, NoneWhereNothingIsFound) { EXPECT_TRUE(Warnings({}).empty()); }
 
+TEST(ImageWarnings, AnotherReadoutIsNoOtherCamera) {
+  RefinedScale scale;
+  EXPECT_EQ(ContradictedReadoutText(scale), "");
+  scale.contradicted_readout = ParameterEstimate{IntrinsicsParameter::kReadout, 0.03, 0.0194, 0.0011};
+  scale.readout = ShutterReadout{0.0194, 0.0011};
+  EXPECT_EQ(ContradictedReadoutText(scale),
+            "the turns give a readout time of 19.4 +-1.1 ms, but the camera file has 30.0; that of the turns is used");
+  scale.readout.reset();
+  EXPECT_TRUE(ContradictedReadoutText(scale).ends_with("the images are taken to have none"));
+}
+
 TEST(ImageWarnings, OneLineSaysWhatContradictsTheCalibrationAndWhatFollows) {
   ImageFindings findings = Contradicted();
   std::vector<std::string> warnings = Warnings(findings);

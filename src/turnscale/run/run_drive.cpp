@@ -111,7 +111,7 @@ class Run {
     settings.odometry = odometry_.options();
     writer_->WriteText(RunFiles::kSettings, SettingsText(settings));
     const std::optional<FoundCamera>& found = drive_.given.found_camera;
-    if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found, std::nullopt));
+    if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found, std::nullopt, false));
     begun_ = true;
   }
 
@@ -159,7 +159,10 @@ class Run {
                          VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), scale), durability);
     });
     if (const std::optional<FoundCamera>& found = drive_.given.found_camera)
-      attempts_.Try([&] { writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found, scale.readout), durability); });
+      attempts_.Try([&] {
+        writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found, scale.readout, scale.calibration_windows > 0),
+                           durability);
+      });
     attempts_.Try([&] { writer_->WriteMask(drive_.scaling.FullMask(odometry_.mask()), durability); });
     attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(scale), first_rotation, state, durability); });
   }

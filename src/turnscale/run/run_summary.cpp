@@ -36,12 +36,14 @@ const char* LensModelName(LensModel lens) {
   return "unknown";
 }
 
-std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout) {
+std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout, bool is_tested) {
   CameraModel camera = found.camera;
   if (readout) {
     camera.readout = readout->seconds;
     camera.readout_sigma = readout->sigma;
     camera.read_direction = readout->direction;
+  } else if (is_tested && camera.readout != 0) {
+    camera.readout = camera.readout_sigma = 0;
   }
   return CameraFileText(camera) + "principal_point_sigma: " + NumberText(found.centre_sigma) + "\n";
 }

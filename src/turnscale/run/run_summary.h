@@ -57,7 +57,7 @@ std::string FocalLengthText(const CameraModel& camera);
 const char* LensModelName(LensModel lens);
 
 /// An estimated camera as a file that ReadCameraFile reads, with its standard deviations. `readout`: what the whole
-/// drive says of a rolling shutter.
-std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout);
+/// drive says of a rolling shutter; if it is empty and the drive has turns that test it, there is none.
+std::string FoundCameraText(const FoundCamera& found, const std::optional<ShutterReadout>& readout, bool is_tested);
 
 }  // namespace turnscale

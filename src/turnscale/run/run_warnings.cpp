@@ -308,6 +308,7 @@ std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vecto
   };
   if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
   add_all(WarningsOfImages(drive, summary.car, scale));
+  add(ContradictedReadoutText(scale));
   add(DoubtfulKnocksWarning(drive, scale));
   if (!IsCalibrationSuspect(drive, scale)) add(TurnsWarning(scale));
   add(MethodWarning(drive.method, scale));
