@@ -272,14 +272,14 @@ TEST(CameraFile, AReadoutMayBeGivenByHand) {
   EXPECT_GT(Read(opencv + "readout_ms: 0\nreadout_sigma_ms: 0\n").readout_sigma, 0);
   for (const std::string& text : {opencv, std::string(kKalibrWithReadout)}) {
     const std::string indent = text == opencv ? "" : "  ";
+    const std::string with_readout = text + indent + "readout_ms: 21\n" + indent;
     const CameraModel camera = Read(text + indent + "readout_ms: 21\n");
     EXPECT_NEAR(camera.readout, 0.021, 1e-15);
     EXPECT_NEAR(camera.readout_sigma, 0.0005, 1e-15) << "if it is not stated";
     EXPECT_EQ(camera.read_direction, ReadDirection());
     EXPECT_FALSE(camera.is_read_direction_stated);
-    EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_direction: left\n").read_direction,
-              (ReadDirection{-1, 0}));
-    EXPECT_EQ(Read(text + indent + "readout_ms: 21\n" + indent + "readout_sigma_ms: 0\n").readout_sigma, 0);
+    EXPECT_EQ(Read(with_readout + "readout_direction: left\n").read_direction, (ReadDirection{-1, 0}));
+    EXPECT_EQ(Read(with_readout + "readout_sigma_ms: 0\n").readout_sigma, 0);
   }
   const auto complaint = [&](const std::string& lines) { return Complaint(opencv + lines); };
   EXPECT_NE(complaint("readout_ms: 21\nreadout_direction: sideways\n").find("down, up, right or left"),

@@ -62,7 +62,12 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
                          const std::vector<ParameterEstimate>& doubts, const CameraModel& camera,
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
-  if (contradictions.empty()) refined.doubtful_calibration = doubts;
+  if (contradictions.empty()) {
+    refined.doubtful_calibration = doubts;
+    CameraModel exact = camera;
+    exact.focal_sigma = 0;
+    refined.doubt_sigma = CalibrationSigma(doubts, exact);
+  }
   WidenScale(CalibrationSigma(contradictions.empty() ? doubts : contradictions, camera), refined);
 }
 

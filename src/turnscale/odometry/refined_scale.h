@@ -39,6 +39,7 @@ struct RefinedScale {
   std::optional<ParameterEstimate> contradicted_readout;
   /// Those that may be, where none is; likewise (CalibrationCheck::Doubts).
   std::vector<ParameterEstimate> doubtful_calibration;
+  double doubt_sigma = 0;             ///< their part of `calibration_sigma`
   bool calibration_in_doubt = false;  ///< for that reason, or as the turns do not determine the focal length
   double calibration_sigma = 0;  ///< CalibrationSigma and what WidenScale has added; the sigmas of the scale include it
   double aspect_sigma = 0;       ///< of the pixels, relative (CameraModel): of heights above the road alone

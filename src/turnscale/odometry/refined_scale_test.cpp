@@ -24,6 +24,7 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
     refined.keyframes = {{.sigma = 0.02}, {.sigma = 0.05}};
     WidenForCalibration(contradictions, {Off(IntrinsicsParameter::kCentreX, 9)}, camera, refined);
     EXPECT_EQ(refined.doubtful_calibration.empty(), !contradictions.empty());
+    EXPECT_EQ(refined.doubt_sigma == 0, !contradictions.empty());
     if (contradictions.empty()) return refined.calibration_sigma;
     EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
     EXPECT_EQ(refined.calibration_sigma, CalibrationSigma(contradictions, camera));

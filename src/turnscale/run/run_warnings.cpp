@@ -192,7 +192,7 @@ std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const CarSumm
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
   // A small doubt is part of sigma, and no news.
   constexpr double kLargeDoubt = 0.2;
-  const bool is_doubtful = scale.calibration_sigma > kLargeDoubt;
+  const bool is_doubtful = scale.doubt_sigma > kLargeDoubt;
   const ImageFindings images{
       .is_upside_down = drive.images.is_upside_down,
       .rotated = drive.given.rotate,

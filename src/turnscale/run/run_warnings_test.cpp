@@ -223,8 +223,7 @@ TEST(RunWarnings, WarnsOfADirectionThatAGapLeavesOpen) {
   std::vector<FrameResult> frames = PathFrames(8, 1);
   const std::vector<std::string> warnings = SummaryOf(drive, frames, {}).warnings;
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("the gap before 12.5 s is hardly known (+-20 deg)"), std::string::npos)
-      << warnings[0];
+  EXPECT_NE(warnings[0].find("the gap before 12.5 s is hardly known (+-20 deg)"), std::string::npos) << warnings[0];
   EXPECT_TRUE(warnings[0].ends_with("as where the car turned a corner in the gap")) << warnings[0];
   // The image at 0.3 s is lost, and none follows for some seconds.
   for (size_t i = 0; i < frames.size(); ++i) frames[i].time += i < 4 ? 100 : 112.1;

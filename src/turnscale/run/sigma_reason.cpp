@@ -27,7 +27,9 @@ struct Contribution {
 
 std::string CauseInImages(const DriveFacts& drive, const RefinedScale& scale) {
   if (!scale.contradicted_calibration.empty()) return "the images contradict the calibration";
-  if (!scale.doubtful_calibration.empty()) return "the images leave the calibration in doubt";
+  // By more than half of the variance.
+  if (2 * scale.doubt_sigma * scale.doubt_sigma > scale.calibration_sigma * scale.calibration_sigma)
+    return "the images leave the calibration in doubt";
   if (drive.images.blending) return "the images are blended";
   return "the focal length is not known exactly";
 }
