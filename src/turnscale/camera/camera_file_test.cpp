@@ -272,8 +272,10 @@ TEST(CameraFile, AReadoutMayBeGivenByHand) {
   EXPECT_GT(Read(opencv + "readout_ms: 0\nreadout_sigma_ms: 0\n").readout_sigma, 0);
   for (const std::string& text : {opencv, std::string(kKalibrWithReadout)}) {
     const std::string indent = text == opencv ? "" : "  ";
-    const std::string with_readout = text + indent + "readout_ms: 21\n" + indent;
-    const CameraModel camera = Read(text + indent + "readout_ms: 21\n");
+    std::string with_readout = text;
+    with_readout.append(indent).append("readout_ms: 21\n");
+    const CameraModel camera = Read(with_readout);
+    with_readout.append(indent);
     EXPECT_NEAR(camera.readout, 0.021, 1e-15);
     EXPECT_NEAR(camera.readout_sigma, 0.0005, 1e-15) << "if it is not stated";
     EXPECT_EQ(camera.read_direction, ReadDirection());
