@@ -35,11 +35,9 @@ void CameraRefinement::StartIfDue(const Map& map) {
     // The test compares with the correction that the map is going to have.
     if (findings.lens_changed) camera.radial_correction = findings.lens.correction();
     if (tested) findings.check.Read(*tested);
-    if (findings.check.windows() > 0) {
-      const std::vector<ParameterEstimate> contradictions = findings.check.Contradictions(camera);
+    if (findings.check.windows() > 0)
       findings.scale_sigma =
-          CalibrationSigma(contradictions.empty() ? findings.check.Doubts(camera) : contradictions, camera);
-    }
+          CalibrationSigma(findings.check.Contradictions(camera), findings.check.Doubts(camera), camera);
     return findings;
   });
 }

@@ -51,6 +51,11 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, co
   return std::sqrt(variance);
 }
 
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions,
+                        const std::vector<ParameterEstimate>& doubts, const CameraModel& camera) {
+  return CalibrationSigma(contradictions.empty() ? doubts : contradictions, camera);
+}
+
 void WidenScale(double sigma, RefinedScale& refined) {
   refined.calibration_sigma = std::hypot(refined.calibration_sigma, sigma);
   if (sigma == 0 || !refined.estimate) return;
@@ -68,7 +73,7 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
     exact.focal_sigma = 0;
     refined.doubt_sigma = CalibrationSigma(doubts, exact);
   }
-  WidenScale(CalibrationSigma(contradictions.empty() ? doubts : contradictions, camera), refined);
+  WidenScale(CalibrationSigma(contradictions, doubts, camera), refined);
 }
 
 }  // namespace turnscale

@@ -55,6 +55,9 @@ ScaleState StateAtEnd(const RefinedScale& refined);
 /// calibration is not reliable. Without contradictions only the standard deviation of the focal length of `camera`
 /// counts, with which the map is made.
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera);
+/// Of the contradictions, or else of the doubts.
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions,
+                        const std::vector<ParameterEstimate>& doubts, const CameraModel& camera);
 
 /// Adds a relative standard deviation to all sigmas of the scale, in quadrature.
 void WidenScale(double sigma, RefinedScale& refined);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/run/frame_warnings.h"
 #include "turnscale/run/image_warnings.h"
 #include "turnscale/run/settings.h"
@@ -113,15 +114,12 @@ std::string RollWarning(const MountSummary& mount, int rotated) {
 
 // A camera that seems to look far to the side; empty if it does not.
 std::string SidewaysWarning(const MountSummary& mount) {
-  constexpr double kMost = 40;  // degrees
   if (!mount.estimate || !mount.estimate->found) return "";
-  const double yaw = InDegrees(mount.estimate->angles.yaw);
-  const double off_axis = std::min(std::abs(yaw), 180 - std::abs(yaw));
-  if (off_axis < kMost) return "";
+  if (LooksAlong(RotationFromYawPitchRoll(mount.estimate->angles))) return "";
   return fmt::format(
       "the camera seems to be turned by {:+.0f} deg from the direction of travel: if it looks ahead or back, the path "
       "and its scale are wrong; run again from another --start",
-      yaw);
+      InDegrees(mount.estimate->angles.yaw));
 }
 
 // Images that are known to be stabilised. The drive may not show that they no longer are.
