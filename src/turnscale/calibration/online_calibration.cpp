@@ -15,6 +15,8 @@ namespace turnscale {
 namespace {
 
 constexpr int kLeastSteps = 3;
+// What is known from so many steps, 13 s of driving with a turn, can be held against later ones.
+constexpr int kLearned = 20;
 // So many of the oldest steps are handed over at a time.
 constexpr int kRetiredTogether = 20;
 // The latest steps are held against all before them over this many steps: 8 s and 20 s of driving.
@@ -116,8 +118,7 @@ std::optional<Refinement> OnlineCalibration::RefineSteps(int steps, const Eigen:
 bool OnlineCalibration::DisagreesOver(int steps) const {
   const int size = static_cast<int>(window_.size());
   const int split = size - steps;
-  // What rests on a first turn alone is still being learned.
-  if (split < kLeastSteps || !before_) return false;
+  if (split < (before_ ? kLeastSteps : kLearned)) return false;
   const RefinementOptions& options = options_.calibration.refinement;
   const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
   const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);

@@ -79,6 +79,23 @@ TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
   }
 }
 
+TEST(OnlineCalibration, NoticesACameraThatIsMovedEarlyInTheDrive) {
+  constexpr double kMoved = 25;  // s
+  const Eigen::Quaterniond moved = kTilted * RotationFromYawPitchRoll({0, -3 * kDeg, 0});
+  const auto before = Steps(kTilted, 3);
+  const auto after = Steps(moved, 3);
+  ASSERT_EQ(before.size(), after.size());
+  OnlineCalibration online;
+  double noticed = 1e9;
+  for (size_t i = 0; i < after.size(); ++i) {
+    if (online.Add(before[i].end < kMoved ? before[i] : after[i]).moved) noticed = std::min(noticed, after[i].end);
+  }
+  EXPECT_GT(noticed, kMoved);
+  EXPECT_LT(noticed, kMoved + 12);
+  EXPECT_EQ(online.state().moves, 1);
+  EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.05 * kDeg);
+}
+
 // A street with a turn at each end: most steps are straight, and what turns there is the body's pitch on bumps.
 std::vector<CameraStep> PitchingSteps(int seed) {
   std::vector<DriveSegment> route = {{40, 0.8, 0}};

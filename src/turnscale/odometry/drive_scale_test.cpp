@@ -197,9 +197,9 @@ TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
 }
 
 // What was driven before the last turn does not change any more, and no step is out of line with its scale.
-class LivePath : public testing::TestWithParam<int> {};
+class GrowingLivePath : public testing::TestWithParam<int> {};
 
-TEST_P(LivePath, GrowsAtItsEnd) {
+TEST_P(GrowingLivePath, GrowsAtItsEnd) {
   std::vector<DriveSegment> route;
   for (int i = 0; i < 4; ++i) {
     route.push_back({60, 0.8, 0});
@@ -232,7 +232,7 @@ TEST_P(LivePath, GrowsAtItsEnd) {
     EXPECT_NEAR(StepOf(live.scale.live_path(), k) / live.TrueStep(k), 1, 0.02) << k;
 }
 
-INSTANTIATE_TEST_SUITE_P(KeyframesUntilATurnIsReadAgain, LivePath, testing::Values(0, 6));
+INSTANTIATE_TEST_SUITE_P(KeyframesUntilATurnIsReadAgain, GrowingLivePath, testing::Values(0, 6));
 
 // Three kilometres with forty corners, along which the unit drifts as much as odometry is taken to.
 TEST(DriveScale, ALongDriveStaysInMetres) {

@@ -16,8 +16,8 @@ std::string SkippedWarning(int frame, const std::string& problem) {
 }
 
 std::string CameraMovedWarning(int frame) {
-  return fmt::format("frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
-                     frame);
+  return fmt::format(
+      "frame {}: the camera was moved earlier in the drive; re-estimating the camera-to-vehicle rotation", frame);
 }
 
 std::string CameraJumpText(const MountJump& jump, double first_time) {
