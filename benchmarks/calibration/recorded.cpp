@@ -282,25 +282,49 @@ Json Corners(const fs::path& data) {
   return rows;
 }
 
-struct Alarms {
-  std::vector<double> times;
-  double begin = 0;  ///< from here on a move can be noticed
-};
-
-// What the online calibration reports where the camera is moved at a moment.
-Alarms AlarmsOf(const Trajectory& path, const Eigen::Quaterniond& mount, double moment) {
+// When the online calibration reports a camera that is moved at a moment, seconds.
+std::vector<double> AlarmsOf(const Trajectory& path, const Eigen::Quaterniond& mount, double moment) {
   OnlineCalibration online;
   StepGatherer gatherer;
-  Alarms alarms;
+  std::vector<double> alarms;
   for (StampedPose pose : path) {
     if (pose.time > moment) pose.world_from_camera.rotation = pose.world_from_camera.rotation * mount;
     const auto step = gatherer.Add(pose);
-    if (step && online.Add(*step).moved) alarms.times.push_back(step->end);
+    if (step && online.Add(*step).moved) alarms.push_back(step->end);
   }
   return alarms;
 }
 
-// An alarm of the drive without a move is no notice of the move.
+// Seconds from the move to its report; nothing if there is none. An alarm of the drive without a move is no report.
+std::optional<double> Delay(const Trajectory& path, const std::vector<double>& untouched,
+                            const Eigen::Quaterniond& mount, double moment) {
+  for (const double time : AlarmsOf(path, mount, moment)) {
+    if (time > moment && std::find(untouched.begin(), untouched.end(), time) == untouched.end()) return time - moment;
+  }
+  return std::nullopt;
+}
+
+// Delays where the camera is moved soon after the beginning: of parts of a drive, as drives of their own.
+Json EarlyMoves(const Trajectory& path) {
+  constexpr double kLength = 60;   // seconds
+  constexpr double kSpacing = 13;  // seconds
+  constexpr double kMove = 20;     // seconds
+  const Eigen::Quaterniond pitch = RotationFromYawPitchRoll({0, -3 * kDeg, 0});
+  Json delays = Json::array();
+  int false_alarms = 0;
+  for (double begin = path.front().time; begin + kLength < path.back().time; begin += kSpacing) {
+    Trajectory part;
+    for (const StampedPose& pose : path) {
+      if (pose.time >= begin && pose.time < begin + kLength) part.push_back(pose);
+    }
+    const std::vector<double> untouched = AlarmsOf(part, Eigen::Quaterniond::Identity(), 1e9);
+    false_alarms += static_cast<int>(untouched.size());
+    const std::optional<double> delay = Delay(part, untouched, pitch, begin + kMove);
+    delays.push_back(delay ? Json(*delay) : Json());
+  }
+  return {{"delays", delays}, {"false_alarms", false_alarms}};
+}
+
 Json Moves(const fs::path& data) {
   const Eigen::Quaterniond yaw = RotationFromYawPitchRoll({2 * kDeg, 0, 0});
   const double each = 2 / std::sqrt(3.0) * kDeg;
@@ -310,16 +334,13 @@ Json Moves(const fs::path& data) {
     for (const char* name : kDrives) {
       const Trajectory path = ReadDrive(data, motion, name);
       const double moment = path[path.size() / 2].time;
-      const auto untouched = AlarmsOf(path, Eigen::Quaterniond::Identity(), 1e9).times;
+      const std::vector<double> untouched = AlarmsOf(path, Eigen::Quaterniond::Identity(), 1e9);
       Json row = {{"motion", motion}, {"drive", name}, {"false_alarms", untouched.size()}};
       for (const auto& [key, mount] : {std::pair("yaw", yaw), std::pair("all", all)}) {
-        row[key] = nullptr;
-        for (const double time : AlarmsOf(path, mount, moment).times) {
-          if (time <= moment || std::find(untouched.begin(), untouched.end(), time) != untouched.end()) continue;
-          row[key] = time - moment;
-          break;
-        }
+        const std::optional<double> delay = Delay(path, untouched, mount, moment);
+        row[key] = delay ? Json(*delay) : Json();
       }
+      row["early"] = EarlyMoves(path);
       rows.push_back(row);
     }
   }
