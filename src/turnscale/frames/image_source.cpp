@@ -40,6 +40,8 @@ void CheckRate(const std::optional<double>& fps) {
   if (*fps < kLeast)
     throw InputError(
         fmt::format("--fps {}: give the frames per second, not the seconds per frame; at least {}", *fps, kLeast));
+  if (*fps > kHighestFrameRate)
+    throw InputError(fmt::format("--fps {}: give the frames per second; at most {}", *fps, kHighestFrameRate));
 }
 
 // The file of the times to use. Explicit wishes go before what lies beside the images.

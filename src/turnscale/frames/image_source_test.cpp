@@ -365,6 +365,8 @@ TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
   EXPECT_NE(Complaint({}).find("times of the frames are missing; give --timestamps FILE or --fps X"),
             std::string::npos);
   EXPECT_NE(Complaint({.timestamps = "/nonexistent"}).find("no such file"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = 1e9}).find("--fps 1000000000: give the frames per second; at most 1000"),
+            std::string::npos);
   EXPECT_NE(Complaint({.fps = 0}).find("--fps 0"), std::string::npos);
   EXPECT_NE(Complaint({.fps = std::nan("")}).find("--fps nan"), std::string::npos);
   EXPECT_TRUE(complaint("0\n1\n").starts_with("t.txt:2: ends after 2 times")) << complaint("0\n1\n");

@@ -203,7 +203,7 @@ std::string ScaleText(const ScaleSummary& scale, const DriveFacts& drive) {
     const bool is_larger = scale.path_sigma > scale.worst_sigma && length != worst;
     return fmt::format(
         "{}, path length {} (1 sigma){}, {} at most {} (at {:.1f} s)", scale.is_known() ? "known" : "uncertain", length,
-        scale.path_sigma > kClearly * scale.worst_sigma ? " with what warnings say of its parts" : "",
+        scale.path_sigma > kClearly * scale.worst_sigma ? " including the parts that warnings name" : "",
         is_larger ? "by the scale alone" : "along the drive", worst, scale.worst_sigma_time - drive.given.first_time);
   }
   const std::string pending = ScaleStateName(scale.state);

@@ -37,8 +37,8 @@ TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
   RunSummary with_gap = InMetres(0.05);
   with_gap.scale.path_sigma = 0.2;
   with_gap.scale.worst_sigma = 0.05;
-  EXPECT_TRUE(
-      Says(with_gap, "scale   known, path length +-20.0 % (1 sigma) with what warnings say of its parts, by the scale"))
+  EXPECT_TRUE(Says(
+      with_gap, "scale   known, path length +-20.0 % (1 sigma) including the parts that warnings name, by the scale"))
       << "a part is missing";
   EXPECT_TRUE(Says(InMetres(6.6), "scale   uncertain, path length beyond +-100 % (1 sigma)"));
 }
@@ -339,7 +339,7 @@ TEST(SummaryText, TheSigmaOfTheLengthMayExceedThatOfTheScale) {
   summary.scale.path_sigma = 0.08;
   EXPECT_TRUE(
       Says(summary,
-           "path length +-8.0 % (1 sigma) with what warnings say of its parts, by the scale alone at most +-4.0 % "
+           "path length +-8.0 % (1 sigma) including the parts that warnings name, by the scale alone at most +-4.0 % "
            "(at 0.0 s)\n"));
   summary.scale.path_sigma = 0.0401;
   EXPECT_TRUE(Says(summary, "path length +-4.0 % (1 sigma), along the drive at most +-4.0 % (at 0.0 s)\n"));
