@@ -144,16 +144,18 @@ struct NamedDirection {
 constexpr std::array<NamedDirection, 4> kReadDirections = {
     {{"down", {0, 1}}, {"up", {0, -1}}, {"right", {1, 0}}, {"left", {-1, 0}}}};
 
-// The readout of a rolling shutter, if the file has one.
+// The readout of a rolling shutter, if the file has one: as turnscale writes it, or by Kalibr's line delay (seconds).
 void SetReadout(const YamlMap& file, CameraModel& camera) {
   constexpr double kLongestMs = 200;
   constexpr double kSigmaIfNotStatedMs = 0.5;
+  const bool is_line_delay = !file.Has("readout_ms") && file.Has("line_delay");
+  const std::string time = is_line_delay ? "line_delay" : "readout_ms";
   for (const char* key : {"readout_sigma_ms", "readout_direction"})
-    if (file.Has(key) && !file.Has("readout_ms")) file.Reject(key, "needs readout_ms");
-  if (!file.Has("readout_ms")) return;
-  const double readout_ms = file.Number("readout_ms");
+    if (file.Has(key) && !file.Has(time)) file.Reject(key, "needs readout_ms");
+  if (!file.Has(time)) return;
+  const double readout_ms = file.Number(time) * (is_line_delay ? 1e3 * camera.height : 1);
   if (std::abs(readout_ms) > kLongestMs)
-    file.Reject("readout_ms", "is longer than " + NumberText(kLongestMs) + " ms, from the first row to the last one");
+    file.Reject(time, "is longer than " + NumberText(kLongestMs) + " ms, from the first row to the last one");
   const double sigma_ms = file.Has("readout_sigma_ms") ? file.Number("readout_sigma_ms") : kSigmaIfNotStatedMs;
   if (!(sigma_ms >= 0)) file.Reject("readout_sigma_ms", "must not be negative");
   camera.readout = readout_ms / 1e3;

@@ -291,6 +291,14 @@ TEST(CameraFile, AReadoutMayBeGivenByHand) {
   EXPECT_NE(complaint("readout_direction: left\n").find("needs readout_ms"), std::string::npos);
 }
 
+TEST(CameraFile, TheLineDelayOfKalibrIsAReadout) {
+  const std::string kalibr = kKalibrWithReadout;
+  const int height = Read(kalibr).height;
+  EXPECT_NEAR(Read(kalibr + "  line_delay: 3.0e-05\n").readout, 3e-5 * height, 1e-12);
+  EXPECT_NEAR(Read(kalibr + "  line_delay: 3.0e-05\n  readout_ms: 21\n").readout, 0.021, 1e-15);
+  EXPECT_NE(Complaint(kalibr + "  line_delay: 30\n").find("line_delay"), std::string::npos) << "microseconds";
+}
+
 TEST(CameraFile, KittiCalibrationReadsBackToTheSameBits) {
   const CameraModel read = Read(KittiCalibrationText({718.856, 700.0 / 3, 607.1928, 185.2157}));
   EXPECT_EQ(read.pinhole.fx, 718.856);
