@@ -154,10 +154,11 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
                        std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
   if (given.width == 0 && !central)
-    doubts.push_back(fmt::format(
-        "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
-        "camera",
-        images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
+    doubts.push_back(
+        fmt::format("{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that the "
+                    "calibration is "
+                    "of this camera, and of images of this size",
+                    images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
   // Only where the video says that its pixels are not square: most say nothing.
   const double shape = given.pinhole.fy / given.pinhole.fx;
   const double aspect = images.source.pixel_aspect();
