@@ -16,7 +16,7 @@
 #include "turnscale/odometry/scale_refinement.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
-#include "turnscale/run/scale_summary.h"
+#include "turnscale/scale/camera_height.h"
 
 namespace turnscale {
 namespace {

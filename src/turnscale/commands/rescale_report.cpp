@@ -19,9 +19,9 @@
 #include "turnscale/geometry/path_length.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/run_summary.h"
-#include "turnscale/run/scale_summary.h"
 #include "turnscale/run/time_check.h"
 #include "turnscale/run/turn_warning.h"
+#include "turnscale/scale/camera_height.h"
 
 namespace turnscale {
 namespace {

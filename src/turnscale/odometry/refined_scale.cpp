@@ -14,6 +14,12 @@ constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 constexpr double kScalePerAspect = 1;
 
+void AddToSigmas(double sigma, RefinedScale& refined) {
+  if (sigma == 0 || !refined.estimate) return;
+  for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, sigma);
+  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, sigma);
+}
+
 }  // namespace
 
 ScaleState StateAtEnd(const RefinedScale& refined) {
@@ -58,9 +64,7 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions,
 
 void WidenScale(double sigma, RefinedScale& refined) {
   refined.calibration_sigma = std::hypot(refined.calibration_sigma, sigma);
-  if (sigma == 0 || !refined.estimate) return;
-  for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, sigma);
-  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, sigma);
+  AddToSigmas(sigma, refined);
 }
 
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
@@ -74,6 +78,13 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
     refined.doubt_sigma = CalibrationSigma(doubts, exact);
   }
   WidenScale(CalibrationSigma(contradictions, doubts, camera), refined);
+}
+
+void WidenForHeight(const VehicleOptions& vehicle, RefinedScale& refined) {
+  if (vehicle.camera_height || !refined.estimate || refined.estimate->uses_single_turns) return;
+  const double sigma = HeightSigma(*refined.estimate, std::hypot(refined.calibration_sigma, refined.aspect_sigma));
+  refined.unusual_height = FindUnusualHeight(refined.estimate->car.camera_height, sigma);
+  if (refined.unusual_height) AddToSigmas(refined.unusual_height->scale_error, refined);
 }
 
 }  // namespace turnscale

@@ -9,7 +9,9 @@
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/odometry/metric_path.h"
+#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/scale/camera_height.h"
 #include "turnscale/scale/scale_estimator.h"
 
 namespace turnscale {
@@ -32,6 +34,7 @@ struct RefinedScale {
   std::string reason;                     ///< why it is empty
   /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
   bool constrained = false;
+  std::optional<UnusualHeight> unusual_height;  ///< if the height is not known; sigmas of the scale include its error
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
@@ -66,5 +69,8 @@ void WidenScale(double sigma, RefinedScale& refined);
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
                          const std::vector<ParameterEstimate>& doubts, const CameraModel& camera,
                          RefinedScale& refined);
+
+/// Finds an unusual height of the camera, where none was given (`vehicle`), and adds the error that the scale then has.
+void WidenForHeight(const VehicleOptions& vehicle, RefinedScale& refined);
 
 }  // namespace turnscale

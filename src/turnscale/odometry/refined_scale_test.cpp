@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/refined_scale.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace turnscale {
@@ -52,6 +54,24 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
   WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, {}, camera, pending);
   EXPECT_EQ(pending.keyframes[0].sigma, 1);
   EXPECT_EQ(pending.contradicted_calibration.size(), 1u);
+}
+
+TEST(WidenForHeight, AddsWhatTheScaleIsProbablyOff) {
+  RefinedScale refined;
+  refined.estimate.emplace();
+  refined.estimate->length_sigma = 0.03;
+  refined.estimate->car.camera_height = 0.29;
+  refined.estimate->car.camera_height_sigma = 0.02;
+  refined.keyframes = {{.sigma = 0.02}};
+  RefinedScale given = refined;
+  WidenForHeight({.camera_height = 0.29}, given);
+  EXPECT_FALSE(given.unusual_height);
+  EXPECT_EQ(given.estimate->length_sigma, 0.03);
+  WidenForHeight({}, refined);
+  ASSERT_TRUE(refined.unusual_height);
+  EXPECT_NEAR(refined.estimate->length_sigma, std::hypot(0.03, std::log(5)), 1e-12);
+  EXPECT_NEAR(refined.keyframes[0].sigma, std::hypot(0.02, std::log(5)), 1e-12);
+  EXPECT_EQ(refined.calibration_sigma, 0);
 }
 
 }  // namespace

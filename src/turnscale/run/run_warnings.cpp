@@ -48,18 +48,12 @@ std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const 
   return warnings;
 }
 
-// The estimated height is proportional to the scale, so that a wrong lever arm shows in it, and an image that
-// stabilisation turns with a delay (too low). One line; empty for a usual height.
-std::string UnusualHeight(const CarRefinement& car) {
-  constexpr double kLeast = 0.9;  // m; sports cars and up
-  constexpr double kMost = 2.4;   // m; vans
-  const double reach = 2 * car.camera_height_sigma;
-  if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
+std::string UnusualHeightWarning(const UnusualHeight& unusual) {
   return fmt::format(
       "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
       "is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
-      car.camera_height, car.camera_height_sigma,
-      car.camera_height < kLeast ? ", the calibration and whether the video is stabilised" : " and the calibration");
+      unusual.height, unusual.sigma,
+      unusual.is_low ? ", the calibration and whether the video is stabilised" : " and the calibration");
 }
 
 // A method that was asked for and has changed nothing. One line; empty where it was applied, or there is no scale.
@@ -140,8 +134,7 @@ bool IsCalibrationSuspect(const DriveFacts& drive, const RefinedScale& scale) {
 }
 
 // What may follow from a wrong calibration, as parts of a sentence.
-std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, const CarSummary& car,
-                                                   const RefinedScale& scale) {
+std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, const RefinedScale& scale) {
   std::vector<std::string> parts;
   if (!scale.estimate || !IsCalibrationSuspect(drive, scale)) return parts;
   const ScaleEstimate& estimate = *scale.estimate;
@@ -150,9 +143,8 @@ std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, cons
   if (const std::optional<HeightConflict>& height = estimate.height_conflict)
     parts.push_back(fmt::format("lever arm and camera height disagree by {:.0f} %",
                                 100 * std::abs(height->given / height->found - 1)));
-  if (car.refined && car.refined->camera_height > 0 && !drive.vehicle.camera_height &&
-      !UnusualHeight(*car.refined).empty())
-    parts.push_back(fmt::format("the turns give a camera {:.2f} m above the road", car.refined->camera_height));
+  if (scale.unusual_height)
+    parts.push_back(fmt::format("the turns give a camera {:.2f} m above the road", scale.unusual_height->height));
   if (!estimate.converged) parts.emplace_back("the scale estimate did not converge");
   if (estimate.slip_conflict) parts.emplace_back("the turns show an unusual side slip");
   if (estimate.yaw_conflict) parts.emplace_back("the drive contradicts the camera's yaw");
@@ -160,7 +152,7 @@ std::vector<std::string> ConsequencesOfCalibration(const DriveFacts& drive, cons
 }
 
 // What the drive says of the car against what was given or is usual.
-std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
+std::vector<std::string> CarWarnings(const DriveFacts& drive, const RefinedScale& scale) {
   std::vector<std::string> warnings;
   const VehicleOptions& vehicle = drive.vehicle;
   // Where it is, its own warning names what may follow from it.
@@ -168,8 +160,7 @@ std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& 
   if (!is_calibration_suspect && scale.estimate && scale.estimate->height_conflict)
     warnings.push_back(HeightWarning(*scale.estimate->height_conflict, vehicle.lever_arm.value_or(0),
                                      vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
-  if (!is_calibration_suspect && car.refined && car.refined->camera_height > 0 && !vehicle.camera_height)
-    warnings.push_back(UnusualHeight(*car.refined));
+  if (!is_calibration_suspect && scale.unusual_height) warnings.push_back(UnusualHeightWarning(*scale.unusual_height));
   if (!is_calibration_suspect && scale.estimate && scale.estimate->slip_conflict)
     warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
   if (vehicle.image_lag_sigma > 0)
@@ -184,7 +175,7 @@ std::vector<std::string> CarWarnings(const DriveFacts& drive, const CarSummary& 
   return warnings;
 }
 
-std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const CarSummary& car, const RefinedScale& scale) {
+std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const RefinedScale& scale) {
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
@@ -199,7 +190,7 @@ std::vector<std::string> WarningsOfImages(const DriveFacts& drive, const CarSumm
       .doubtful_calibration = is_doubtful ? scale.doubtful_calibration : std::vector<ParameterEstimate>{},
       .is_calibration_refined = drive.given.found_camera.has_value(),
       .has_distortion = drive.camera.lens_model != LensModel::kPinhole,
-      .consequences = ConsequencesOfCalibration(drive, car, scale)};
+      .consequences = ConsequencesOfCalibration(drive, scale)};
   return ImageWarnings(images, drive.given.first_time, "the scale may be wrong", scale_error);
 }
 
@@ -305,12 +296,12 @@ std::vector<std::string> RunWarnings(const RunSummary& summary, const std::vecto
     for (std::string& warning : more) add(std::move(warning));
   };
   if (!drive.images.unreadable.empty()) add(UnreadableText(drive.images.unreadable));
-  add_all(WarningsOfImages(drive, summary.car, scale));
+  add_all(WarningsOfImages(drive, scale));
   add(ContradictedReadoutText(scale));
   add(DoubtfulKnocksWarning(drive, scale));
   if (!IsCalibrationSuspect(drive, scale)) add(TurnsWarning(scale));
   add(MethodWarning(drive.method, scale));
-  add_all(CarWarnings(drive, summary.car, scale));
+  add_all(CarWarnings(drive, scale));
   add_all(TimeWarnings(frames, scale.turns, drive.given.first_time));
   add_all(PathWarnings(summary, frames));
   return warnings;

@@ -72,13 +72,15 @@ TEST(RunWarnings, AMethodThatCouldNotBeAppliedIsNamed) {
 }
 
 TEST(RunWarnings, WarnsOfACameraTooLowOrTooHighForACar) {
-  RefinedScale scale;
-  scale.estimate.emplace().converged = true;
   const auto warnings = [&](double height, std::optional<double> given = {}) {
+    RefinedScale scale;
+    scale.estimate.emplace().converged = true;
     scale.estimate->car.camera_height = height;
     scale.estimate->car.camera_height_sigma = 0.1;
+    scale.estimate->length_sigma = 0.03;
     DriveFacts drive;
     drive.vehicle.camera_height = given;
+    WidenForHeight(drive.vehicle, scale);
     return SummaryOf(drive, PathFrames(5, 1), scale).warnings;
   };
   for (const double usual : {0.75, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;

@@ -98,22 +98,13 @@ CarSummary CarSummaryOf(const DriveFacts& drive, const RefinedScale& scale) {
     summary.refined = estimate.car;
     // The prior of a height that was measured has the sigma of the aspect.
     const double aspect_sigma = drive.vehicle.has_measured_height() ? 0 : scale.aspect_sigma;
-    summary.refined->camera_height_sigma = HeightSigma(estimate, std::hypot(scale.calibration_sigma, aspect_sigma));
+    const double unusual_sigma = scale.unusual_height ? scale.unusual_height->scale_error : 0;
+    summary.refined->camera_height_sigma =
+        HeightSigma(estimate, std::hypot(scale.calibration_sigma, aspect_sigma, unusual_sigma));
   }
   if (estimate.has_reliable_car()) summary.evidence = estimate.car_evidence;
   if (estimate.yaw_conflict) summary.contradicting_yaw = drive.camera_angles().yaw + estimate.car.yaw_error;
   return summary;
-}
-
-double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma) {
-  const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
-  const std::optional<HeightConflict>& height = estimate.height_conflict;
-  const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
-  const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
-  const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;
-  return std::hypot(
-      estimate.car.camera_height_sigma,
-      std::hypot(std::hypot(calibration_sigma, slip, between), smoothing, lag) * estimate.car.camera_height);
 }
 
 }  // namespace turnscale

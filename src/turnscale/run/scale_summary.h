@@ -62,8 +62,4 @@ struct CarSummary {
 
 CarSummary CarSummaryOf(const DriveFacts& drive, const RefinedScale& scale);
 
-/// Standard deviation of the camera's height, metres, with what the sigma of the scale has for contradictions and the
-/// calibration: the height is off by what the scale is off by. `calibration_sigma`: RefinedScale's.
-double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma = 0);
-
 }  // namespace turnscale

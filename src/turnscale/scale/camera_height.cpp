@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/camera_height.h"
+
+#include <cmath>
+
+namespace turnscale {
+
+double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
+  const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
+  const std::optional<HeightConflict>& height = estimate.height_conflict;
+  const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
+  const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
+  const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;
+  return std::hypot(estimate.car.camera_height_sigma,
+                    std::hypot(std::hypot(other_sigma, slip, between), smoothing, lag) * estimate.car.camera_height);
+}
+
+std::optional<UnusualHeight> FindUnusualHeight(double height, double sigma) {
+  constexpr double kLeast = 0.9;     // m
+  constexpr double kAverage = 1.45;  // m; in the middle, by ratio
+  constexpr double kMost = 2.4;      // m
+  const double reach = 2 * sigma;
+  const bool is_low = height + reach < kLeast;
+  if (height == 0 || (!is_low && height - reach <= kMost)) return std::nullopt;
+  return UnusualHeight{height, sigma, std::abs(std::log(height / kAverage)), is_low};
+}
+
+}  // namespace turnscale

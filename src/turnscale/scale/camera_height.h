@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "turnscale/scale/scale_estimator.h"
+
+namespace turnscale {
+
+/// Standard deviation of the estimated height of the camera above the road, metres, with what the sigma of the scale
+/// has for contradictions: the height is off by what the scale is off by. `other_sigma`: of the scale for other
+/// reasons, such as the calibration, relative.
+double HeightSigma(const ScaleEstimate& estimate, double other_sigma = 0);
+
+/// An estimated height of the camera above the road that is unusual for a car. It is proportional to the scale, so that
+/// a wrong lever arm shows in it, and images that stabilisation turns with a delay (too low).
+struct UnusualHeight {
+  double height = 0;       ///< metres
+  double sigma = 0;        ///< metres
+  double scale_error = 0;  ///< of the scale, as a logarithm, if the true height is an average one; not negative
+  bool is_low = false;     ///< rather than high
+};
+
+/// Nothing for a height between 0.9 m (sports cars) and 2.4 m (vans), within two standard deviations, and for 0: not
+/// known.
+std::optional<UnusualHeight> FindUnusualHeight(double height, double sigma);
+
+}  // namespace turnscale
