@@ -393,11 +393,10 @@ std::string CameraFileText(const CameraModel& camera) {
          Joined(distortion, ", ") + "]\n" +
          (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "") +
          (camera.aspect_sigma > 0 ? "pixel_aspect_sigma: " + NumberText(camera.aspect_sigma) + "\n" : "") +
-         (camera.readout == 0 && camera.readout_sigma == 0
-              ? ""
-              : "readout_ms: " + NumberText(1e3 * camera.readout) +
-                    "\nreadout_sigma_ms: " + NumberText(1e3 * camera.readout_sigma) +
-                    "\nreadout_direction: " + ReadDirectionName(camera.read_direction) + "\n");
+         (camera.is_readout_known() ? "readout_ms: " + NumberText(1e3 * camera.readout) +
+                                          "\nreadout_sigma_ms: " + NumberText(1e3 * camera.readout_sigma) +
+                                          "\nreadout_direction: " + ReadDirectionName(camera.read_direction) + "\n"
+                                    : "");
 }
 
 std::string ReadDirectionName(const ReadDirection& direction) {

@@ -58,6 +58,7 @@ struct CameraModel {
   double readout = 0;
   /// Standard deviation of it, seconds. 0 if it is exact; where the readout is 0 too, it is not known.
   double readout_sigma = 0;
+  bool is_readout_known() const { return readout != 0 || readout_sigma != 0; }
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;

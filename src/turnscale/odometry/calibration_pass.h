@@ -5,7 +5,9 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/pinhole.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/intrinsics_change.h"
+#include "turnscale/mapping/intrinsics_estimate.h"
+#include "turnscale/mapping/shutter_readout.h"
 #include "turnscale/odometry/self_calibration.h"
 
 namespace turnscale {

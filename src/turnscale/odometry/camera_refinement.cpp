@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "turnscale/mapping/shutter_readout.h"
 #include "turnscale/odometry/refined_scale.h"
 
 namespace turnscale {

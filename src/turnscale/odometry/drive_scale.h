@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "turnscale/kinematics/vehicle_step.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/calibration_verdict.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/live_path.h"
 #include "turnscale/odometry/metric_path.h"

@@ -12,7 +12,7 @@
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/calibration_check_options.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/parameter_estimate.h"
+#include "turnscale/mapping/shutter_readout.h"
 #include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
@@ -40,7 +41,7 @@ struct RefinedScale {
   std::vector<ParameterEstimate> contradicted_calibration;
   /// The camera file's readout of a rolling shutter, where the turns contradict it and nothing else; theirs is used.
   std::optional<ParameterEstimate> contradicted_readout;
-  /// Those that may be, where none is; likewise (CalibrationCheck::Doubts).
+  /// Those that may be, where none is; likewise (DoubtsAmong).
   std::vector<ParameterEstimate> doubtful_calibration;
   double doubt_sigma = 0;             ///< their part of `calibration_sigma`
   bool calibration_in_doubt = false;  ///< for that reason, or as the turns do not determine the focal length

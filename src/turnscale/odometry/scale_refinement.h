@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "turnscale/kinematics/vehicle_step.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/calibration_verdict.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"

@@ -8,6 +8,8 @@
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/shutter_readout.h"
 #include "turnscale/odometry/calibration_pass.h"
 #include "turnscale/odometry/odometry.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "turnscale/frames/image_scaling.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/parameter_estimate.h"
 #include "turnscale/odometry/self_calibration.h"
 
 namespace turnscale {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "turnscale/frames/blended_frames.h"
-#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/parameter_estimate.h"
 #include "turnscale/odometry/refined_scale.h"
 
 namespace turnscale {
