@@ -15,7 +15,7 @@ namespace turnscale {
 namespace {
 
 constexpr int kLeastSteps = 3;
-// What is known from so many steps, 13 s of driving with a turn, can be held against later ones.
+// What is known from so many steps with a turn, 13 s of driving, can be held against later ones.
 constexpr int kLearned = 20;
 // So many of the oldest steps are handed over at a time.
 constexpr int kRetiredTogether = 20;
@@ -80,8 +80,7 @@ void OnlineCalibration::Learn(const CameraStep& step) {
   turning_ += std::abs(psi);
   headings_.push_back(headings_.empty() ? psi : headings_.back() + psi);
   if (static_cast<int>(headings_.size()) > options_.window) headings_.pop_front();
-  const auto [least, most] = std::minmax_element(headings_.begin(), headings_.end());
-  turned_ = turned_ || *most - *least > options_.calibration.min_turn;
+  turned_ = turned_ || HasTurned(static_cast<int>(headings_.size()));
 }
 
 void OnlineCalibration::Retire() {
@@ -114,11 +113,16 @@ std::optional<Refinement> OnlineCalibration::RefineSteps(int steps, const Eigen:
                              before_);
 }
 
+bool OnlineCalibration::HasTurned(int steps) const {
+  const auto [least, most] = std::minmax_element(headings_.begin(), headings_.begin() + steps);
+  return *most - *least > options_.calibration.min_turn;
+}
+
 // The latest steps by themselves against all steps before them.
 bool OnlineCalibration::DisagreesOver(int steps) const {
   const int size = static_cast<int>(window_.size());
   const int split = size - steps;
-  if (split < (before_ ? kLeastSteps : kLearned)) return false;
+  if (split < (before_ ? kLeastSteps : kLearned + kept_) || (!before_ && !HasTurned(split))) return false;
   const RefinementOptions& options = options_.calibration.refinement;
   const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
   const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);
@@ -142,7 +146,7 @@ bool OnlineCalibration::LooksMoved() {
   return disagreements_ >= kMovedConfirmations;
 }
 
-// Goes on with the steps that are surely after the move.
+// Goes on with the latest steps, of which the first may be from before the move.
 void OnlineCalibration::Restart() {
   const int kept = DisagreesOver(kShortMemory) ? kShortMemory : kLongMemory;
   const std::deque<CameraStep> latest(window_.end() - kept, window_.end());
@@ -154,6 +158,7 @@ void OnlineCalibration::Restart() {
   turned_ = false;
   headings_.clear();
   steps_ = 0;
+  kept_ = kept;
   for (const CameraStep& step : window_) Learn(step);
   before_.reset();
   refinement_.reset();

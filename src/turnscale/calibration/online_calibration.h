@@ -64,6 +64,7 @@ class OnlineCalibration {
   void Refine();
   /// The rotation that the first steps of the window and those before them give; empty where the turns contradict it.
   std::optional<Refinement> RefineSteps(int steps, const Eigen::Quaterniond& start) const;
+  bool HasTurned(int steps) const;  ///< in the first steps of the window, by CalibrationOptions::min_turn
   bool DisagreesOver(int steps) const;
   bool LooksMoved();
   void Restart();
@@ -78,6 +79,7 @@ class OnlineCalibration {
   bool turned_ = false;          ///< by CalibrationOptions::min_turn within the window
   std::deque<double> headings_;  ///< after each step of the window, rad
   int steps_ = 0;
+  int kept_ = 0;                         ///< steps from before the latest move was noticed
   std::optional<RotationPrior> before_;  ///< from the steps before the window
   std::optional<Refinement> refinement_;
   int disagreements_ = 0;  ///< in a row

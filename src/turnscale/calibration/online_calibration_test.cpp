@@ -97,8 +97,8 @@ TEST(OnlineCalibration, NoticesACameraThatIsMovedEarlyInTheDrive) {
 }
 
 // A street with a turn at each end: most steps are straight, and what turns there is the body's pitch on bumps.
-std::vector<CameraStep> PitchingSteps(int seed) {
-  std::vector<DriveSegment> route = {{40, 0.8, 0}};
+std::vector<CameraStep> PitchingSteps(int seed, int first_straight = 40) {
+  std::vector<DriveSegment> route = {{first_straight, 0.8, 0}};
   for (const int side : {-1, 1, 1}) {
     route.push_back({20, 0.4, side * 4.5 * kDeg});
     route.push_back({260, 0.9, 0});
@@ -123,6 +123,30 @@ TEST(OnlineCalibration, PitchingIsNotTakenForTurning) {
     EXPECT_TRUE(online.state().usable) << seed;
     EXPECT_LT(largest_roll, 10 * kDeg) << seed;
     EXPECT_LT(std::abs(online.state().angles.yaw), 0.5 * kDeg) << seed;
+  }
+}
+
+TEST(OnlineCalibration, PitchingBeforeALateFirstTurnIsNotTakenForAMovedCamera) {
+  for (int seed = 1; seed <= SeedsToTest(10); ++seed) {
+    OnlineCalibration online;
+    for (const CameraStep& step : PitchingSteps(seed, 320)) online.Add(step);
+    EXPECT_EQ(online.state().moves, 0) << seed;
+    EXPECT_LT(std::abs(online.state().angles.yaw), 0.5 * kDeg) << seed;
+  }
+}
+
+// After a move that only the long memory shows, steps from before it are kept for a while.
+TEST(OnlineCalibration, ASmallMoveIsReportedOnce) {
+  for (int seed = 1; seed <= SeedsToTest(4); ++seed) {
+    for (const double degrees : {1.35, 1.5, 1.7}) {
+      const Eigen::Quaterniond moved = kTilted * RotationFromYawPitchRoll({0, -degrees * kDeg, 0});
+      const auto before = Steps(kTilted, seed);
+      const auto after = Steps(moved, seed + 10);
+      OnlineCalibration online;
+      for (const CameraStep& step : before) online.Add(step);
+      for (const CameraStep& step : after) online.Add(step);
+      EXPECT_LE(online.state().moves, 1) << seed << ' ' << degrees;
+    }
   }
 }
 

@@ -144,6 +144,17 @@ struct NamedDirection {
 constexpr std::array<NamedDirection, 4> kReadDirections = {
     {{"down", {0, 1}}, {"up", {0, -1}}, {"right", {1, 0}}, {"left", {-1, 0}}}};
 
+// The direction of the readout, if the file states it.
+void SetReadDirection(const YamlMap& file, CameraModel& camera) {
+  if (!file.Has("readout_direction")) return;
+  const std::string name = file.Text("readout_direction");
+  const auto named = std::ranges::find(kReadDirections, name, &NamedDirection::name);
+  if (named == kReadDirections.end())
+    file.Reject("readout_direction", "is '" + Excerpt(name) + "'; give down, up, right or left");
+  camera.read_direction = named->direction;
+  camera.is_read_direction_stated = true;
+}
+
 // The readout of a rolling shutter, if the file has one: as turnscale writes it, or by Kalibr's line delay (seconds).
 void SetReadout(const YamlMap& file, CameraModel& camera) {
   constexpr double kLongestMs = 200;
@@ -153,7 +164,9 @@ void SetReadout(const YamlMap& file, CameraModel& camera) {
   for (const char* key : {"readout_sigma_ms", "readout_direction"})
     if (file.Has(key) && !file.Has(time)) file.Reject(key, "needs readout_ms");
   if (!file.Has(time)) return;
-  const double readout_ms = file.Number(time) * (is_line_delay ? 1e3 * camera.height : 1);
+  SetReadDirection(file, camera);
+  const int lines = camera.read_direction.x == 0 ? camera.height : camera.width;
+  const double readout_ms = file.Number(time) * (is_line_delay ? 1e3 * lines : 1);
   if (std::abs(readout_ms) > kLongestMs)
     file.Reject(time, "is longer than " + NumberText(kLongestMs) + " ms, from the first row to the last one");
   const double sigma_ms = file.Has("readout_sigma_ms") ? file.Number("readout_sigma_ms") : kSigmaIfNotStatedMs;
@@ -162,13 +175,6 @@ void SetReadout(const YamlMap& file, CameraModel& camera) {
   // Of a global shutter, 0 would be that of a readout that is not known.
   constexpr double kLeastSigmaOfNoneMs = 0.01;
   camera.readout_sigma = (readout_ms == 0 ? std::max(sigma_ms, kLeastSigmaOfNoneMs) : sigma_ms) / 1e3;
-  if (!file.Has("readout_direction")) return;
-  const std::string name = file.Text("readout_direction");
-  const auto named = std::ranges::find(kReadDirections, name, &NamedDirection::name);
-  if (named == kReadDirections.end())
-    file.Reject("readout_direction", "is '" + Excerpt(name) + "'; give down, up, right or left");
-  camera.read_direction = named->direction;
-  camera.is_read_direction_stated = true;
 }
 
 CameraModel OpenCvCamera(const YamlMap& file) {

@@ -294,8 +294,10 @@ TEST(CameraFile, AReadoutMayBeGivenByHand) {
 TEST(CameraFile, TheLineDelayOfKalibrIsAReadout) {
   const std::string kalibr = kKalibrWithReadout;
   const int height = Read(kalibr).height;
+  const int width = Read(kalibr).width;
   EXPECT_NEAR(Read(kalibr + "  line_delay: 3.0e-05\n").readout, 3e-5 * height, 1e-12);
   EXPECT_NEAR(Read(kalibr + "  line_delay: 3.0e-05\n  readout_ms: 21\n").readout, 0.021, 1e-15);
+  EXPECT_NEAR(Read(kalibr + "  line_delay: 3.0e-05\n  readout_direction: left\n").readout, 3e-5 * width, 1e-12);
   EXPECT_NE(Complaint(kalibr + "  line_delay: 30\n").find("line_delay"), std::string::npos) << "microseconds";
 }
 

@@ -156,8 +156,7 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   if (given.width == 0 && !central)
     doubts.push_back(
         fmt::format("{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that the "
-                    "calibration is "
-                    "of this camera, and of images of this size",
+                    "calibration is of this camera, and of images of this size",
                     images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
   // Only where the video says that its pixels are not square: most say nothing.
   const double shape = given.pinhole.fy / given.pinhole.fx;

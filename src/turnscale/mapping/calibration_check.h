@@ -61,14 +61,14 @@ class CalibrationCheck {
   /// (ReadoutWithoutPrior). `camera`: that of the windows, with the radial correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
 
-  // What follows for the calibration; nothing while no window was read.
-  /// ContradictionsAmong the parameters.
+  /// ContradictionsAmong the parameters; none while no window was read.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
-  /// DoubtsAmong the parameters.
+  /// DoubtsAmong the parameters; none while no window was read.
   std::vector<ParameterEstimate> Doubts(const CameraModel& camera) const;
-  /// Whether the images of turns show the focal length well enough for a test.
+  /// Whether the images of turns, or else the prior, show the focal length well enough for a test.
   bool DeterminesFocalLength() const { return IsFocalLengthDetermined(Estimate()); }
-  /// A readout that the windows contradict does not count: theirs takes its place.
+  /// A readout that the windows contradict does not count: theirs takes its place. kNotContradicted while no window was
+  /// read.
   CalibrationVerdict Verdict(const CameraModel& camera) const;
   /// The readout that is known, if the windows contradict it and nothing else: theirs takes its place.
   std::optional<ParameterEstimate> ContradictedReadout(const CameraModel& camera) const;
@@ -98,7 +98,7 @@ class CalibrationCheck {
   std::optional<GivenReadout> given_readout_;
   bool is_readout_contradicted_ = false;
   WindowReadings along_;          ///< with rows as in the camera
-  RowDirectionTest direction_;    ///< of them
+  RowDirectionChoice direction_;  ///< of them
   ReadDirection read_direction_;  ///< of the camera
   double observed_radius_ = 0;
   int next_keyframe_ = 0;

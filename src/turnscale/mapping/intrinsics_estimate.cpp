@@ -70,7 +70,7 @@ WindowEvidence WithWindowErrors(const CalibrationCheckOptions& options, const Pi
   return {share * information, share * weighted_minimum};
 }
 
-void Hold(const IntrinsicsEntries& entries, const Vector& at, Matrix& information, Vector& vector) {
+void HoldEntries(const IntrinsicsEntries& entries, const Vector& at, Matrix& information, Vector& vector) {
   for (const IntrinsicsChange::Entry entry : entries) {
     vector -= at[entry] * information.col(entry);
     information.row(entry).setZero();
@@ -81,7 +81,7 @@ void Hold(const IntrinsicsEntries& entries, const Vector& at, Matrix& informatio
 
 void HoldHigherTerms(const CalibrationCheckOptions& options, Matrix& information, Vector& vector) {
   if (options.higher_prior_sigma == 0)
-    Hold({IntrinsicsChange::kCorrection4, IntrinsicsChange::kCorrection6}, Vector::Zero(), information, vector);
+    HoldEntries({IntrinsicsChange::kCorrection4, IntrinsicsChange::kCorrection6}, Vector::Zero(), information, vector);
 }
 
 double SquaredDistance(const WindowEvidence& window, const Vector& change) {
@@ -97,7 +97,7 @@ IntrinsicsEstimate CombineWindows(const CalibrationCheckOptions& options, const 
                                   std::vector<WindowEvidence> windows, const IntrinsicsEntries& held) {
   IntrinsicsEstimate estimate{prior.mean, prior.covariance, held};
   if (windows.empty()) return estimate;
-  for (WindowEvidence& window : windows) Hold(held, prior.mean, window.information, window.weighted_minimum);
+  for (WindowEvidence& window : windows) HoldEntries(held, prior.mean, window.information, window.weighted_minimum);
   const Matrix prior_information = prior.covariance.inverse();
   const double entries = CountEstimated(options, held);
   const auto count = static_cast<double>(windows.size());

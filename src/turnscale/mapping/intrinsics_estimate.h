@@ -38,8 +38,8 @@ WindowEvidence WithWindowErrors(const CalibrationCheckOptions& options, const Pi
 
 /// Takes entries out of information times a minimum, or a gradient: they have the values of `at`, as seen from where
 /// the vector is 0.
-void Hold(const IntrinsicsEntries& entries, const IntrinsicsChange::Vector& at, IntrinsicsChange::Matrix& information,
-          IntrinsicsChange::Vector& vector);
+void HoldEntries(const IntrinsicsEntries& entries, const IntrinsicsChange::Vector& at,
+                 IntrinsicsChange::Matrix& information, IntrinsicsChange::Vector& vector);
 
 /// Takes the higher terms of the lens out if they are not estimated (CalibrationCheckOptions::higher_prior_sigma).
 void HoldHigherTerms(const CalibrationCheckOptions& options, IntrinsicsChange::Matrix& information,

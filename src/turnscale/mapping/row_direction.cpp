@@ -56,13 +56,13 @@ double MisfitOfWindow(const CalibrationCheckOptions& options, const IntrinsicsPr
   Matrix information = rescale * reading.own_information;
   Vector gradient = rescale * reading.own_gradient;
   WindowEvidence evidence = WithWindowErrors(options, prior.given, information, information * reading.at - gradient);
-  Hold(estimate.held, prior.mean, evidence.information, evidence.weighted_minimum);
+  HoldEntries(estimate.held, prior.mean, evidence.information, evidence.weighted_minimum);
   const double square = SquaredDistance(evidence, estimate.change);
   // How far the cost is from that of the window's own minimum, where entries that are held are as expected.
   Vector to_held = Vector::Zero();
   for (const IntrinsicsChange::Entry entry : estimate.held) to_held[entry] = prior.mean[entry] - reading.at[entry];
   const double gained = -to_held.dot(2 * gradient + information * to_held);
-  Hold(estimate.held, -to_held, information, gradient);
+  HoldEntries(estimate.held, -to_held, information, gradient);
   const double left = gained + gradient.dot(information.ldlt().solve(gradient));
   return MisfitOfDistance(options, estimate.held, square) - left;
 }
@@ -83,8 +83,8 @@ double ResidualsBeyond(const CalibrationCheckOptions& options, const WindowReadi
 
 }  // namespace
 
-void RowDirectionTest::Update(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
-                              const WindowReadings& along) {
+void RowDirectionChoice::Update(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
+                                const WindowReadings& along) {
   // Without the aspect, its part of the error is taken for something else.
   if (options.aspect_prior_sigma == 0 || is_clearly_along_) return;
   const IntrinsicsEstimate estimate = EstimateIntrinsics(options, prior, EvidenceOf(along));
@@ -105,9 +105,9 @@ void RowDirectionTest::Update(const CalibrationCheckOptions& options, const Intr
 }
 
 // `along`: the estimate from windows that were read as in the camera. False where the window determines nothing.
-bool RowDirectionTest::ReadAcross(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
-                                  const IntrinsicsEstimate& along, ReadingPlace place,
-                                  const IntrinsicsProblem& window) {
+bool RowDirectionChoice::ReadAcross(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
+                                    const IntrinsicsEstimate& along, ReadingPlace place,
+                                    const IntrinsicsProblem& window) {
   IntrinsicsProblem turned = window;
   turned.ReadAcross();
   const IntrinsicsEstimate known = EstimateIntrinsics(options, prior, EvidenceOf(across_));
@@ -118,8 +118,8 @@ bool RowDirectionTest::ReadAcross(const CalibrationCheckOptions& options, const 
 }
 
 // Sets the direction to what is likely with the windows that were read in both.
-void RowDirectionTest::Compare(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
-                               const WindowReadings& along) {
+void RowDirectionChoice::Compare(const CalibrationCheckOptions& options, const IntrinsicsPrior& prior,
+                                 const WindowReadings& along) {
   const WindowReadings beside(along.end() - static_cast<std::ptrdiff_t>(across_.size()), along.end());
   const IntrinsicsEstimate estimate_along = EstimateIntrinsics(options, prior, EvidenceOf(beside));
   const IntrinsicsEstimate estimate_across = EstimateIntrinsics(options, prior, EvidenceOf(across_));

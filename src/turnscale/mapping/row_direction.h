@@ -16,7 +16,7 @@ enum class RowDirection { kAlong, kAcross, kOpen };
 /// windows leave what is expected of the intrinsics in doubt, they are read once more with rows across the camera's
 /// read direction, each direction with an estimate of its own. The one that explains residuals, windows and prior
 /// clearly better counts: by the square of CalibrationCheckOptions::significance in twice the log-likelihood.
-class RowDirectionTest {
+class RowDirectionChoice {
  public:
   /// After a window was added to those read as in the camera, `along`; always with the same prior. Reads that one
   /// across if there is reason to, and a few of those before that were not.

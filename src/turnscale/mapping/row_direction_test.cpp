@@ -15,9 +15,9 @@ namespace {
 using Vector = IntrinsicsChange::Vector;
 
 // After so many windows, which follow one another along the drive.
-RowDirectionTest TestedOn(const Map& map, const CalibrationCheckOptions& options = {}, int windows = 6) {
+RowDirectionChoice TestedOn(const Map& map, const CalibrationCheckOptions& options = {}, int windows = 6) {
   const IntrinsicsPrior prior = PriorOf(options, map.camera.pinhole, Vector::Zero(), std::nullopt);
-  RowDirectionTest test;
+  RowDirectionChoice test;
   WindowReadings along;
   for (int i = 0; i < windows; ++i) {
     const IntrinsicsEstimate known = EstimateIntrinsics(options, prior, EvidenceOf(along));
@@ -37,14 +37,14 @@ Map RollingMap(bool reads_columns) {
 }
 
 TEST(RowDirection, IsThatOfTheSensor) {
-  const RowDirectionTest columns = TestedOn(RollingMap(true));
+  const RowDirectionChoice columns = TestedOn(RollingMap(true));
   EXPECT_EQ(columns.direction(), RowDirection::kAcross);
   EXPECT_GT(columns.across().size(), 2U);
   EXPECT_EQ(TestedOn(RollingMap(false)).direction(), RowDirection::kAlong);
 }
 
 TEST(RowDirection, IsNotTestedWhereNothingIsUnexpected) {
-  const RowDirectionTest test = TestedOn(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 5));
+  const RowDirectionChoice test = TestedOn(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 5));
   EXPECT_EQ(test.direction(), RowDirection::kAlong);
   EXPECT_TRUE(test.across().empty());
 }
@@ -56,7 +56,7 @@ TEST(RowDirection, AnotherPrincipalPointIsNoReadoutOfColumns) {
 TEST(RowDirection, IsNotTestedWithoutTheAspect) {
   CalibrationCheckOptions options;
   options.aspect_prior_sigma = 0;
-  const RowDirectionTest test = TestedOn(RollingMap(true), options);
+  const RowDirectionChoice test = TestedOn(RollingMap(true), options);
   EXPECT_EQ(test.direction(), RowDirection::kAlong);
   EXPECT_TRUE(test.across().empty());
 }
@@ -66,7 +66,7 @@ TEST(RowDirection, IsOpenUntilOneIsClearlyBetter) {
   options.significance = 8;
   options.pixel_sigma_inflation = 14;
   const Map map = RollingMap(true);
-  const RowDirectionTest test = TestedOn(map, options, 4);
+  const RowDirectionChoice test = TestedOn(map, options, 4);
   EXPECT_EQ(test.direction(), RowDirection::kOpen);
   EXPECT_FALSE(test.across().empty());
   EXPECT_EQ(TestedOn(map, options, 6).direction(), RowDirection::kAcross);

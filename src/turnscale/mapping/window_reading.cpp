@@ -100,7 +100,7 @@ std::optional<WindowReading> ReadWindow(const CalibrationCheckOptions& options, 
     HoldHigherTerms(options, evidence->information, evidence->gradient);
     Matrix information = deflation * evidence->information;
     Vector gradient = deflation * evidence->gradient;
-    Hold(known.held, Vector::Zero(), information, gradient);
+    HoldEntries(known.held, Vector::Zero(), information, gradient);
     const Matrix total = information + known_information;
     const Vector slope = gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);

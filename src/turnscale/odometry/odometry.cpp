@@ -441,7 +441,6 @@ RefinedScale Odometry::Refined() const {
   refined.calibration_in_doubt = check.windows() > 0 && refined.contradicted_calibration.empty() &&
                                  (!refined.doubtful_calibration.empty() || !check.DeterminesFocalLength());
   refined.aspect_sigma = map_.camera.aspect_sigma;
-  WidenForHeight(options_.vehicle, refined);
   refined.contradicted_readout = check.ContradictedReadout(map_.camera);
   refined.readout = check.Readout(map_.camera);
   if (refined.readout) refined.readout->is_corrected = finished_ && map_.camera.readout != 0;

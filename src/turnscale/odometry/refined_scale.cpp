@@ -80,11 +80,13 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
   WidenScale(CalibrationSigma(contradictions, doubts, camera), refined);
 }
 
-void WidenForHeight(const VehicleOptions& vehicle, RefinedScale& refined) {
-  if (vehicle.camera_height || !refined.estimate || refined.estimate->uses_single_turns) return;
+void WidenForHeight(RefinedScale& refined) {
+  if (!refined.estimate || refined.estimate->uses_single_turns) return;
   const double sigma = HeightSigma(*refined.estimate, std::hypot(refined.calibration_sigma, refined.aspect_sigma));
   refined.unusual_height = FindUnusualHeight(refined.estimate->car.camera_height, sigma);
-  if (refined.unusual_height) AddToSigmas(refined.unusual_height->scale_error, refined);
+  if (!refined.unusual_height) return;
+  AddToSigmas(refined.unusual_height->scale_error, refined);
+  refined.estimate->is_doubtful = true;
 }
 
 }  // namespace turnscale

@@ -10,7 +10,6 @@
 #include "turnscale/mapping/parameter_estimate.h"
 #include "turnscale/mapping/shutter_readout.h"
 #include "turnscale/odometry/metric_path.h"
-#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/scale/camera_height.h"
 #include "turnscale/scale/scale_estimator.h"
@@ -35,7 +34,7 @@ struct RefinedScale {
   std::string reason;                     ///< why it is empty
   /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
   bool constrained = false;
-  std::optional<UnusualHeight> unusual_height;  ///< if the height is not known; sigmas of the scale include its error
+  std::optional<UnusualHeight> unusual_height;  ///< WidenForHeight's; sigmas of the scale include its error
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
@@ -71,7 +70,8 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
                          const std::vector<ParameterEstimate>& doubts, const CameraModel& camera,
                          RefinedScale& refined);
 
-/// Finds an unusual height of the camera, where none was given (`vehicle`), and adds the error that the scale then has.
-void WidenForHeight(const VehicleOptions& vehicle, RefinedScale& refined);
+/// Finds an unusual height of the camera, and adds the error that the scale then has; the estimate is doubtful. For a
+/// height that was not given. Single-turn scales have none. Call it after all that widens sigma otherwise.
+void WidenForHeight(RefinedScale& refined);
 
 }  // namespace turnscale

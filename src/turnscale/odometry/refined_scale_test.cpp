@@ -60,18 +60,24 @@ TEST(WidenForHeight, AddsWhatTheScaleIsProbablyOff) {
   RefinedScale refined;
   refined.estimate.emplace();
   refined.estimate->length_sigma = 0.03;
-  refined.estimate->car.camera_height = 0.29;
+  refined.estimate->car.camera_height = 0.28;
   refined.estimate->car.camera_height_sigma = 0.02;
   refined.keyframes = {{.sigma = 0.02}};
-  RefinedScale given = refined;
-  WidenForHeight({.camera_height = 0.29}, given);
-  EXPECT_FALSE(given.unusual_height);
-  EXPECT_EQ(given.estimate->length_sigma, 0.03);
-  WidenForHeight({}, refined);
+  RefinedScale single = refined;
+  single.estimate->uses_single_turns = true;
+  RefinedScale vague = refined;
+  WidenScale(1.5, vague);
+  for (RefinedScale* other : {&single, &vague}) {
+    WidenForHeight(*other);
+    EXPECT_FALSE(other->unusual_height);
+    EXPECT_FALSE(other->estimate->is_doubtful);
+  }
+  WidenForHeight(refined);
   ASSERT_TRUE(refined.unusual_height);
   EXPECT_NEAR(refined.estimate->length_sigma, std::hypot(0.03, std::log(5)), 1e-12);
   EXPECT_NEAR(refined.keyframes[0].sigma, std::hypot(0.02, std::log(5)), 1e-12);
   EXPECT_EQ(refined.calibration_sigma, 0);
+  EXPECT_TRUE(refined.estimate->is_doubtful);
 }
 
 }  // namespace

@@ -123,6 +123,7 @@ RefinedResults DriveRecorder::Refined() const {
     WidenScale(FrameBlending::kScaleSigma, scale);
     if (scale.estimate) scale.estimate->is_doubtful = true;
   }
+  if (!odometry_.options().vehicle.camera_height) WidenForHeight(scale);
   std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
   for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = AtFullSize(scaling_, estimate);
   for (ParameterEstimate& estimate : scale.doubtful_calibration) estimate = AtFullSize(scaling_, estimate);

@@ -16,6 +16,7 @@
 #include "turnscale/run/settings.h"
 #include "turnscale/run/time_check.h"
 #include "turnscale/run/turn_warning.h"
+#include "turnscale/scale/camera_height.h"
 
 namespace turnscale {
 namespace {

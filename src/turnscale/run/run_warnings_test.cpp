@@ -80,7 +80,7 @@ TEST(RunWarnings, WarnsOfACameraTooLowOrTooHighForACar) {
     scale.estimate->length_sigma = 0.03;
     DriveFacts drive;
     drive.vehicle.camera_height = given;
-    WidenForHeight(drive.vehicle, scale);
+    if (!given) WidenForHeight(scale);
     return SummaryOf(drive, PathFrames(5, 1), scale).warnings;
   };
   for (const double usual : {0.75, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;

@@ -10,6 +10,7 @@
 #include "turnscale/run/impossible_motion.h"
 #include "turnscale/run/missing_path.h"
 #include "turnscale/run/sigma_reason.h"
+#include "turnscale/scale/camera_height.h"
 
 namespace turnscale {
 namespace {
@@ -98,9 +99,7 @@ CarSummary CarSummaryOf(const DriveFacts& drive, const RefinedScale& scale) {
     summary.refined = estimate.car;
     // The prior of a height that was measured has the sigma of the aspect.
     const double aspect_sigma = drive.vehicle.has_measured_height() ? 0 : scale.aspect_sigma;
-    const double unusual_sigma = scale.unusual_height ? scale.unusual_height->scale_error : 0;
-    summary.refined->camera_height_sigma =
-        HeightSigma(estimate, std::hypot(scale.calibration_sigma, aspect_sigma, unusual_sigma));
+    summary.refined->camera_height_sigma = HeightSigma(estimate, std::hypot(scale.calibration_sigma, aspect_sigma));
   }
   if (estimate.has_reliable_car()) summary.evidence = estimate.car_evidence;
   if (estimate.yaw_conflict) summary.contradicting_yaw = drive.camera_angles().yaw + estimate.car.yaw_error;

@@ -63,6 +63,9 @@ TEST(SigmaReason, WhatContributesMostIsNamedFirst) {
   scale.estimate->uses_single_turns = true;
   scale.estimate->single_turn_spread = 0.295;
   EXPECT_EQ(ReasonOf(scale), "the turns disagree by 30 %");
+  scale = ScaleWith(0.3);
+  scale.unusual_height = UnusualHeight{.height = 1.05, .sigma = 0.02, .scale_error = 0.29, .is_low = true};
+  EXPECT_EQ(ReasonOf(scale), "the camera would be unusually low above the road");
   scale = ScaleWith(0.12);
   scale.gap_sigma = 40;
   EXPECT_TRUE(ReasonOf(scale).ends_with("s of the path are not measured")) << ReasonOf(scale);

@@ -16,13 +16,12 @@ double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
 }
 
 std::optional<UnusualHeight> FindUnusualHeight(double height, double sigma) {
-  constexpr double kLeast = 0.9;     // m
-  constexpr double kAverage = 1.45;  // m; in the middle, by ratio
-  constexpr double kMost = 2.4;      // m
+  constexpr double kLeast = 0.9;  // m
+  constexpr double kMost = 2.4;   // m
   const double reach = 2 * sigma;
   const bool is_low = height + reach < kLeast;
   if (height == 0 || (!is_low && height - reach <= kMost)) return std::nullopt;
-  return UnusualHeight{height, sigma, std::abs(std::log(height / kAverage)), is_low};
+  return UnusualHeight{height, sigma, std::abs(std::log(height / kUsualHeight)), is_low};
 }
 
 }  // namespace turnscale

@@ -7,6 +7,9 @@
 
 namespace turnscale {
 
+/// Typical height of a car's camera above the road, metres.
+inline constexpr double kUsualHeight = 1.4;
+
 /// Standard deviation of the estimated height of the camera above the road, metres, with what the sigma of the scale
 /// has for contradictions: the height is off by what the scale is off by. `other_sigma`: of the scale for other
 /// reasons, such as the calibration, relative.
@@ -17,7 +20,7 @@ double HeightSigma(const ScaleEstimate& estimate, double other_sigma = 0);
 struct UnusualHeight {
   double height = 0;       ///< metres
   double sigma = 0;        ///< metres
-  double scale_error = 0;  ///< of the scale, as a logarithm, if the true height is an average one; not negative
+  double scale_error = 0;  ///< of the scale, as a logarithm, if the true height is kUsualHeight; not negative
   bool is_low = false;     ///< rather than high
 };
 

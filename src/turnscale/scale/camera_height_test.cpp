@@ -20,11 +20,11 @@ TEST(HeightSigma, HasTheContradictionsOfTheScale) {
 
 TEST(FindUnusualHeight, TellsHowFarTheScaleIsProbablyOff) {
   for (const double usual : {0.0, 0.75, 1.3, 2.5}) EXPECT_FALSE(FindUnusualHeight(usual, 0.1)) << usual;
-  const std::optional<UnusualHeight> low = FindUnusualHeight(0.29, 0.1);
+  const std::optional<UnusualHeight> low = FindUnusualHeight(0.28, 0.1);
   ASSERT_TRUE(low);
   EXPECT_TRUE(low->is_low);
   EXPECT_NEAR(low->scale_error, std::log(5), 1e-12);
-  const std::optional<UnusualHeight> high = FindUnusualHeight(2.9, 0.1);
+  const std::optional<UnusualHeight> high = FindUnusualHeight(2.8, 0.1);
   ASSERT_TRUE(high);
   EXPECT_FALSE(high->is_low);
   EXPECT_NEAR(high->scale_error, std::log(2), 1e-12);

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
+#include "turnscale/scale/camera_height.h"
 
 namespace turnscale {
 namespace {
@@ -20,7 +21,6 @@ constexpr double kAngle = std::numbers::pi / 2;
 
 // Of constants that are not known: typical means, and sigmas that make the prior nearly flat.
 constexpr double kUsualLeverArm = 1;  // metres
-constexpr double kUsualHeight = 1.4;  // metres
 constexpr double kUnknownLogSigma = 1;
 
 // Share of the road's error that is left after a way.
