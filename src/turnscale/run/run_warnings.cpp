@@ -51,8 +51,8 @@ std::vector<std::string> SeamWarnings(const std::vector<ClipPart>& clips, const 
 
 std::string UnusualHeightWarning(const UnusualHeight& unusual) {
   return fmt::format(
-      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
-      "is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
+      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if this height is wrong, "
+      "the scale is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
       unusual.height, unusual.sigma,
       unusual.is_low ? ", the calibration and whether the video is stabilised" : " and the calibration");
 }

@@ -65,8 +65,9 @@ std::vector<Contribution> Contributions(const DriveFacts& drive, const RefinedSc
   if (const std::optional<HeightConflict>& height = estimate.height_conflict)
     parts.push_back({0.5 * std::abs(std::log(height->found / height->given)), "lever arm and camera height disagree"});
   if (scale.unusual_height)
-    parts.push_back({scale.unusual_height->scale_error, fmt::format("the camera would be unusually {} above the road",
-                                                                    scale.unusual_height->is_low ? "low" : "high")});
+    parts.push_back(
+        {scale.unusual_height->scale_error, fmt::format("the estimated height of the camera is unusually {}",
+                                                        scale.unusual_height->is_low ? "low" : "high")});
   if (estimate.image_lag)
     parts.push_back(
         {estimate.image_lag->scale_error, "the images may be stabilised, or the principal point a little off"});

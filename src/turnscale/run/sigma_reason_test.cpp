@@ -65,7 +65,7 @@ TEST(SigmaReason, WhatContributesMostIsNamedFirst) {
   EXPECT_EQ(ReasonOf(scale), "the turns disagree by 30 %");
   scale = ScaleWith(0.3);
   scale.unusual_height = UnusualHeight{.height = 1.05, .sigma = 0.02, .scale_error = 0.29, .is_low = true};
-  EXPECT_EQ(ReasonOf(scale), "the camera would be unusually low above the road");
+  EXPECT_EQ(ReasonOf(scale), "the estimated height of the camera is unusually low");
   scale = ScaleWith(0.12);
   scale.gap_sigma = 40;
   EXPECT_TRUE(ReasonOf(scale).ends_with("s of the path are not measured")) << ReasonOf(scale);

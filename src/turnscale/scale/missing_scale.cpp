@@ -14,8 +14,8 @@ namespace {
 std::string Remedy(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options) {
   if (!car.knows_lever_arm()) return "give the lever arm, or the height of the camera more exactly";
   if (car.lever_arm_sigma > options.max_sigma * car.lever_arm)
-    return "the lever arm, " + NumberText(car.lever_arm) + " +-" + NumberText(car.lever_arm_sigma) +
-           " m, is itself too uncertain: check it";
+    return "the lever arm, " + NumberText(car.lever_arm) + " +-" +
+           NumberText(std::round(100 * car.lever_arm_sigma) / 100) + " m, is itself too uncertain: measure it";
   const long degrees = std::lround(InDegrees(options.segments.turns.min_region_angle));
   const bool road = std::ranges::any_of(evidence.of_segments,
                                         [](const SegmentEvidence& segment) { return segment.road.has_value(); });
@@ -54,8 +54,9 @@ std::string WhyNoStart(const DriveEvidence& evidence, const CarPrior& car, const
 
 std::string WhyTooUncertain(double sigma, const DriveEvidence& evidence, const CarPrior& car,
                             const ScaleEstimatorOptions& options) {
-  return "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) + " %, more than " +
-         std::to_string(std::lround(100 * options.max_sigma)) + " %; " + Remedy(evidence, car, options);
+  const long limit = std::lround(100 * options.max_sigma);
+  return "the drive leaves the scale uncertain by " + std::to_string(std::max(std::lround(100 * sigma), limit + 1)) +
+         " %, more than " + std::to_string(limit) + " %; " + Remedy(evidence, car, options);
 }
 
 }  // namespace turnscale
