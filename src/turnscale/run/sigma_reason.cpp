@@ -62,8 +62,8 @@ std::vector<Contribution> Contributions(const DriveFacts& drive, const RefinedSc
                                  100 * std::max(estimate.single_turn_spread, estimate.test.disagreement))});
   else if (estimate.slip_conflict)
     parts.push_back({estimate.test.disagreement, "the turns show an unusual side slip"});
-  if (const std::optional<HeightConflict>& height = estimate.height_conflict)
-    parts.push_back({0.5 * std::abs(std::log(height->found / height->given)), "lever arm and camera height disagree"});
+  if (estimate.height_conflict)
+    parts.push_back({estimate.height_conflict->scale_sigma(), "lever arm and camera height disagree"});
   if (scale.unusual_height)
     parts.push_back(
         {scale.unusual_height->scale_error, fmt::format("the estimated height of the camera is unusually {}",

@@ -7,8 +7,7 @@ namespace turnscale {
 
 double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
   const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
-  const std::optional<HeightConflict>& height = estimate.height_conflict;
-  const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
+  const double between = estimate.height_conflict ? estimate.height_conflict->scale_sigma() : 0;
   const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
   const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;
   return std::hypot(estimate.car.camera_height_sigma,

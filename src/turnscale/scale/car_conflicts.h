@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -19,6 +20,9 @@ struct HeightConflict {
   /// With the given height the turns are inconsistent (TurnTest::contradicted), without it they are consistent: it is
   /// not used.
   bool contradicts_turns = false;
+
+  /// Relative standard deviation of the scale, which is between those that the two lengths imply.
+  double scale_sigma() const { return 0.5 * std::abs(std::log(found / given)); }
 };
 
 /// The yaw of Q differs from the one that straights and turns show: Q is not that of this camera on this car.

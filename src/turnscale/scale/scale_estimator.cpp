@@ -80,10 +80,10 @@ bool IsWithinSigma(const HeightConflict& conflict) {
   return std::abs(std::log(conflict.found / conflict.given)) < sigma;
 }
 
-// One of the two lengths is wrong: the scale is between those that they imply.
+// One of the two lengths is wrong.
 void TakeConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   estimate.height_conflict = conflict;
-  Widen(0.5 * std::log(conflict.found / conflict.given), estimate);
+  Widen(conflict.scale_sigma(), estimate);
 }
 
 // Segments, other than used turns, in which the road shows the scale of the joint estimate.
