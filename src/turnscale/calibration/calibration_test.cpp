@@ -47,6 +47,7 @@ TEST(Calibrate, StatesTheSpreadThatItsErrorsHave) {
   Eigen::Vector3d stated = Eigen::Vector3d::Zero();
   CalibrationOptions options;
   options.refinement.road_bank = 0;
+  options.refinement.grade_change = 0;
   options.body_lean = false;
   options.motion_bias = 0;
   for (int run = 0; run < kRuns; ++run) {
@@ -155,6 +156,7 @@ TEST(CalibrationOptions, RefuseSenselessValues) {
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.motion_bias = -1; }), "motion_bias");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.counted_turn = 0; }), "counted_turn");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.huber_share = 0; }), "huber_share");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.grade_change = -1; }), "grade_change");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.road_bank = -1; }), "road_bank");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.max_iterations = 0; }), "max_iterations");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.tolerance = 0; }), "tolerance");

@@ -36,6 +36,8 @@ constexpr double kLeastLeverArmSpread = 0.1;
 constexpr double kMostLeverArmStep = 0.5;
 // Relative; the last update of the lever arms.
 constexpr double kLeverArmTolerance = 1e-3;
+// In smaller turns, which take less time, the grade changes in proportion to the angle, rad.
+constexpr double kAngleOfGradeChange = 12 / kDegreesPerRadian;
 
 // Steps first...last - 1 share a lever arm.
 struct Piece {
@@ -258,25 +260,34 @@ class Refiner {
     if (!lengths.empty()) usual_lever_arm_ = std::max(Median(lengths), 0.0);
   }
 
-  // Squared scores of what the turns have in common with nothing else: the road's bank and the body's lean tilt the
-  // turning axis sideways, by another angle in each turn.
+  // Variance of the tilt of the turning axis in a turn by `angle`, rad^2.
+  double TiltVariance(double angle) const {
+    const double by_grade = options_.grade_change / std::hypot(angle, kAngleOfGradeChange);
+    return options_.road_bank * options_.road_bank + by_grade * by_grade;
+  }
+
+  // Squared scores of what the turns have in common with nothing else: the road and the body's lean tilt the turning
+  // axis sideways, by another angle in each turn.
   double BankScore() const {
-    constexpr double kLeastPsi = 3 / kDegreesPerRadian;
+    constexpr double kLeastPsi = 0.5 / kDegreesPerRadian;
     double sum = 0;
     double turn = 0;
+    double angle = 0;
     bool right = false;
     for (size_t i = 0; i < states_.size(); ++i) {
       const StepState& state = states_[i];
-      const bool turning = std::abs(state.psi) * steps_[i].frames > kLeastPsi;
+      const double turned = std::abs(state.psi) * steps_[i].frames;
+      const bool turning = turned > kLeastPsi;
       if (!turning || right != (state.psi > 0)) {
-        sum += turn * turn;
-        turn = 0;
+        sum += turn * turn * TiltVariance(angle);
+        turn = angle = 0;
       }
       right = state.psi > 0;
-      const StepResidual& residual = state.residual;
-      if (turning) turn += state.huber * residual.by_rotation.col(2).head<3>().squaredNorm();
+      if (!turning) continue;
+      turn += state.huber * state.residual.by_rotation.col(2).head<3>().squaredNorm();
+      angle += turned;
     }
-    return options_.road_bank * options_.road_bank * (sum + turn * turn);
+    return sum + turn * turn * TiltVariance(angle);
   }
 
   // H^-1 (sum of squared scores) H^-1, the curvature of Huber's norm in H: right for whatever size the noise has.
@@ -327,6 +338,7 @@ class Refiner {
 void RefinementOptions::Check() const {
   if (!(huber_share > 0 && huber_share <= 1)) throw InputError("huber_share: must lie in (0, 1]");
   if (!(road_bank >= 0)) throw InputError("road_bank: must not be negative");
+  if (!(grade_change >= 0)) throw InputError("grade_change: must not be negative");
   if (max_iterations < 1) throw InputError("max_iterations: must be at least 1");
   if (!(tolerance > 0)) throw InputError("tolerance: must be above 0 rad");
 }

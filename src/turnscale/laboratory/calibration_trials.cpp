@@ -27,6 +27,7 @@ YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaternion
 CalibrationOptions PaperCalibrationOptions() {
   CalibrationOptions options;
   options.refinement.road_bank = 0;
+  options.refinement.grade_change = 0;
   options.body_lean = false;
   options.motion_bias = 0;
   return options;

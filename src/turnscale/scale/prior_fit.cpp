@@ -39,6 +39,13 @@ CarPrior WithLag(CarPrior car, const ScaleEstimatorOptions& options) {
   return car;
 }
 
+// A car that slips more than the prior expects.
+CarPrior WithUnusualSlip(CarPrior car) {
+  constexpr double kTimesUsual = 2;
+  car.side_slip_sigma *= kTimesUsual;
+  return car;
+}
+
 CarPrior WithFreed(const FreedPriors& freed, CarPrior car, const ScaleEstimatorOptions& options) {
   if (freed.yaw) car.yaw_sigma = options.contradicted_yaw_sigma;
   return freed.lag ? WithLag(car, options) : car;
@@ -75,7 +82,7 @@ bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const Sc
 
 // Whether the turns show a lag of stabilised images. A given height plays no part: one that disagrees with the lever
 // arm would look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of
-// its own.
+// its own. One that is only large is more likely than stabilisation where both explain the turns.
 bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
               const ScaleEstimatorOptions& options) {
   const StabilisationOptions& stabilisation = options.stabilisation;
@@ -89,7 +96,10 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
   const double most_slip = options.test.max_prior_deviation;
   if (TurnsAgree(*without, options.test) && SlipDeviation(*without, car) > most_slip) return false;
   if (!TurnsAgree(*with, options.test) || std::abs(SlipDeviation(*with, car)) > most_slip) return false;
-  return LagCounts(*without, *with, stabilisation);
+  if (!LagCounts(*without, *with, stabilisation)) return false;
+  if (car.side_slip_sigma == 0) return true;
+  const auto slipping = SmoothFrom(start, evidence, WithUnusualSlip(alone), options);
+  return !slipping || LagCounts(*slipping, *with, stabilisation);
 }
 
 // What the drive contradicts, if it is more or other than what is freed in `fit`.
