@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/base/square.h"
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/kinematics/ackermann.h"
 
@@ -29,6 +32,11 @@ constexpr double kSway = 0.4 / kDegreesPerRadian;
 constexpr double kMovedSigmas = 4;
 constexpr double kMovedAngle = 1.2 / kDegreesPerRadian;
 constexpr int kMovedConfirmations = 3;
+// The latest steps, which are after the move in any case.
+constexpr int kLeastAfterMove = 5;
+// Of one step, in variances, when the move is dated: a step may be off for other reasons.
+constexpr double kMostMisfit = 9;
+constexpr double kShareOfMove = 0.25;
 // Q is used below this standard deviation of its yaw, rad (CalibrationOptions::motion_bias included): half of that of a
 // camera mounted by eye. What is left is estimated with the scale.
 constexpr double kUsableYawSigma = 1.5 / kDegreesPerRadian;
@@ -64,8 +72,9 @@ const OnlineState& OnlineCalibration::Add(const CameraStep& step) {
   Learn(window_.back());
   if (static_cast<int>(window_.size()) > options_.window) Retire();
   if (turned_) Refine();
-  state_.moved = LooksMoved();
-  if (state_.moved) Restart();
+  const std::optional<Change> move = FindMove();
+  state_.moved = move.has_value();
+  if (move) Restart(*move);
   Report();
   return state_;
 }
@@ -118,39 +127,72 @@ bool OnlineCalibration::HasTurned(int steps) const {
   return *most - *least > options_.calibration.min_turn;
 }
 
+Eigen::Vector2d OnlineCalibration::Change::angles() const {
+  return VectorFromRotation(after.vehicle_from_camera * before.vehicle_from_camera.conjugate()).head<2>();
+}
+
 // The latest steps by themselves against all steps before them.
-bool OnlineCalibration::DisagreesOver(int steps) const {
+std::optional<OnlineCalibration::Change> OnlineCalibration::ChangeOver(int steps) const {
   const int size = static_cast<int>(window_.size());
   const int split = size - steps;
-  if (split < (before_ ? kLeastSteps : kLearned + kept_) || (!before_ && !HasTurned(split))) return false;
+  if (split < (before_ ? kLeastSteps : kLearned + kept_) || (!before_ && !HasTurned(split))) return std::nullopt;
   const RefinementOptions& options = options_.calibration.refinement;
   const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
-  const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);
+  const Refinement before = RefineRotation(Measurements(window_, 0, split), start, options, before_);
   // The roll of a few steps is noise, and would drag yaw and pitch along.
-  const RotationPrior same_roll = WithSameRoll(options, {}, earlier.vehicle_from_camera);
-  const Refinement latest = RefineRotation(Measurements(window_, split, size), start, options, same_roll);
-  if (!earlier.covariance.allFinite() || !latest.covariance.allFinite()) return false;
-  const Eigen::Vector2d moved =
-      VectorFromRotation(latest.vehicle_from_camera * earlier.vehicle_from_camera.conjugate()).head<2>();
+  const RotationPrior same_roll = WithSameRoll(options, {}, before.vehicle_from_camera);
+  const Refinement after = RefineRotation(Measurements(window_, split, size), start, options, same_roll);
+  if (!before.covariance.allFinite() || !after.covariance.allFinite()) return std::nullopt;
+  Change change{before, after};
+  const Eigen::Vector2d moved = change.angles();
   // So few steps that four unknowns and three spreads take a good part of their scatter away.
   const double few = steps / std::max(steps - 6.0, 1.0);
-  const Eigen::Matrix2d covariance = (earlier.covariance + few * latest.covariance).topLeftCorner<2, 2>() +
-                                     kSway * kSway * Eigen::Matrix2d::Identity();
-  return moved.norm() > kMovedAngle && moved.dot(covariance.inverse() * moved) > kMovedSigmas * kMovedSigmas;
+  const Eigen::Matrix2d covariance =
+      (before.covariance + few * after.covariance).topLeftCorner<2, 2>() + kSway * kSway * Eigen::Matrix2d::Identity();
+  const bool differs = moved.norm() > kMovedAngle && moved.dot(covariance.inverse() * moved) > Square(kMovedSigmas);
+  return differs ? std::optional(std::move(change)) : std::nullopt;
 }
 
-bool OnlineCalibration::LooksMoved() {
-  if (!refinement_) return false;
-  const bool disagrees = DisagreesOver(kShortMemory) || DisagreesOver(kLongMemory);
-  disagreements_ = disagrees ? disagreements_ + 1 : 0;
-  return disagreements_ >= kMovedConfirmations;
+std::optional<OnlineCalibration::Change> OnlineCalibration::FindMove() {
+  if (!refinement_) return std::nullopt;
+  std::optional<Change> change = ChangeOver(kShortMemory);
+  if (!change) change = ChangeOver(kLongMemory);
+  disagreements_ = change ? disagreements_ + 1 : 0;
+  return disagreements_ >= kMovedConfirmations ? change : std::nullopt;
 }
 
-// Goes on with the latest steps, of which the first may be from before the move.
-void OnlineCalibration::Restart() {
-  const int kept = DisagreesOver(kShortMemory) ? kShortMemory : kLongMemory;
-  const std::deque<CameraStep> latest(window_.end() - kept, window_.end());
-  window_ = latest;
+// Where the directions of travel fit best, before it with one rotation and from it on with the other.
+int OnlineCalibration::PlaceOf(const Change& change) const {
+  // `after` may include steps from before the move, and is then off by a share of it.
+  const double share = kShareOfMove * change.angles().norm();
+  const double vertical = std::max(change.before.noise.vertical, share);
+  const double horizontal = std::max(change.before.noise.horizontal, share);
+  const double lever_arm = change.before.lever_arms.empty() ? 0 : Median(change.before.lever_arms);
+  const auto misfit = [&](const StepMeasurement& step, const Refinement& refinement) {
+    if (step.length <= 0) return 0.0;
+    const ModelResidual off = ResidualOfModel(step, refinement.vehicle_from_camera, lever_arm / step.length);
+    return std::min(Square(off.vertical / vertical) + Square(off.horizontal / horizontal), kMostMisfit);
+  };
+  const int size = static_cast<int>(window_.size());
+  int place = size - kLeastAfterMove;
+  double least = 0;
+  double sum = 0;
+  for (int i = place - 1; i >= 0; --i) {
+    const StepMeasurement step = MeasurementOf(window_[i]);
+    sum += misfit(step, change.after) - misfit(step, change.before);
+    if (sum >= least) continue;
+    least = sum;
+    place = i;
+  }
+  return place;
+}
+
+void OnlineCalibration::Restart(const Change& change) {
+  const int place = PlaceOf(change);
+  const Eigen::Vector2d moved = change.angles();
+  state_.move_time = window_[place].begin;
+  state_.move = {moved.y(), moved.x(), 0};
+  window_.erase(window_.begin(), window_.begin() + place);
   way_.setZero();
   axis_ = TurningAxis();
   linear_ = LinearCalibration();
@@ -158,7 +200,7 @@ void OnlineCalibration::Restart() {
   turned_ = false;
   headings_.clear();
   steps_ = 0;
-  kept_ = kept;
+  kept_ = static_cast<int>(window_.size());
   for (const CameraStep& step : window_) Learn(step);
   before_.reset();
   refinement_.reset();

@@ -40,8 +40,11 @@ struct OnlineState {
   /// sigmas are infinite.
   bool estimated = false;
   bool usable = false;  ///< a turn was seen, and yaw and roll are known well enough
-  bool moved = false;   ///< this very step showed that the camera was moved: all before it is forgotten
+  bool moved = false;   ///< this very step showed that the camera was moved: all before the move is forgotten
   int moves = 0;        ///< so far
+  /// The latest move: when, seconds, and by how much.
+  double move_time = 0;
+  YawPitchRoll move;  ///< rad; yaw and pitch only
 };
 
 /// Online calibration, with bounded time and memory per step. Detects a camera that was moved, from a change of the
@@ -65,9 +68,19 @@ class OnlineCalibration {
   /// The rotation that the first steps of the window and those before them give; empty where the turns contradict it.
   std::optional<Refinement> RefineSteps(int steps, const Eigen::Quaterniond& start) const;
   bool HasTurned(int steps) const;  ///< in the first steps of the window, by CalibrationOptions::min_turn
-  bool DisagreesOver(int steps) const;
-  bool LooksMoved();
-  void Restart();
+  /// The rotation of the latest steps, this many, and that of all before them.
+  struct Change {
+    Refinement before;
+    Refinement after;
+
+    Eigen::Vector2d angles() const;  ///< pitch and yaw from before to after, rad
+  };
+  /// Empty where the two agree.
+  std::optional<Change> ChangeOver(int steps) const;
+  /// The first step of the window that belongs after the change.
+  int PlaceOf(const Change& change) const;
+  std::optional<Change> FindMove();
+  void Restart(const Change& change);
   void Report();
 
   OnlineCalibrationOptions options_;

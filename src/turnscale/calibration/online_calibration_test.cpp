@@ -73,6 +73,7 @@ TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
     }
     EXPECT_LT(noticed, 16);
     EXPECT_EQ(online.state().moves, 1);
+    EXPECT_LT(std::abs(online.state().move_time - after.front().begin), 2) << "begins where the camera was moved";
     EXPECT_TRUE(online.state().usable);
     EXPECT_NEAR(online.state().angles.yaw, YawPitchRollFromRotation(moved).yaw, 0.01 * kDeg);
     EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.05 * kDeg);
@@ -93,6 +94,10 @@ TEST(OnlineCalibration, NoticesACameraThatIsMovedEarlyInTheDrive) {
   EXPECT_GT(noticed, kMoved);
   EXPECT_LT(noticed, kMoved + 12);
   EXPECT_EQ(online.state().moves, 1);
+  EXPECT_NEAR(online.state().move_time, kMoved, 2);
+  const Eigen::Vector3d change = VectorFromRotation(moved * kTilted.conjugate());
+  EXPECT_NEAR(online.state().move.pitch, change.x(), 0.3 * kDeg);
+  EXPECT_NEAR(online.state().move.yaw, change.y(), 0.3 * kDeg);
   EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.05 * kDeg);
 }
 

@@ -58,7 +58,10 @@ MountCalibration::MountCalibration(const VehicleOptions& vehicle)
 }
 
 Mount MountCalibration::Found(const OnlineState& state) const {
-  Mount found{mounts_.back().first_keyframe, state.vehicle_from_camera, true, state.sigma};
+  Mount found = mounts_.back();
+  found.vehicle_from_camera = state.vehicle_from_camera;
+  found.found = true;
+  found.sigma = state.sigma;
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
   YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
@@ -91,7 +94,9 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     step_ends_.push_back(index);
     // What the calibration goes on with comes after the move.
     if (state.moved) {
-      mounts_.push_back({step_ends_[step_ends_.size() - state.steps], mounts_.back().vehicle_from_camera});
+      mounts_.push_back({.first_keyframe = step_ends_[step_ends_.size() - state.steps],
+                         .vehicle_from_camera = mounts_.back().vehicle_from_camera,
+                         .move = {state.move_time, state.move}});
     }
     if (!state.usable) continue;
     // What was known is better than a first, rough estimate.

@@ -15,12 +15,19 @@
 
 namespace turnscale {
 
+/// A move of the camera on the car that shows in the direction of travel.
+struct MountMove {
+  double time = 0;  ///< seconds; found to about a step of the calibration (StepOptions::duration)
+  YawPitchRoll by;  ///< rad, as noticed; yaw and pitch only
+};
+
 /// The camera-to-vehicle rotation from a keyframe on.
 struct Mount {
   int first_keyframe = 0;
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   bool found = false;       ///< estimated from the drive; else given, assumed, or from before a move
   YawPitchRoll sigma = {};  ///< rad, if estimated
+  MountMove move = {};      ///< after which it holds; not of the first
 };
 
 /// Whether the camera looks ahead or back: within 40 degrees of the direction of travel, or of the opposite one, as

@@ -11,6 +11,7 @@
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/mount_jump.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/self_calibration.h"
@@ -73,10 +74,10 @@ struct CameraSummary {
 
 /// The camera-to-vehicle rotation as estimated from the drive.
 struct MountEstimate {
-  YawPitchRoll angles;  ///< rad; as assumed if not estimated
-  YawPitchRoll sigma;   ///< rad
-  bool found = false;   ///< estimated well enough to be used
-  int moves = 0;        ///< how often the camera was moved during the drive
+  YawPitchRoll angles;           ///< rad; as assumed if not estimated
+  YawPitchRoll sigma;            ///< rad
+  bool found = false;            ///< estimated well enough to be used
+  std::vector<MountMove> moves;  ///< of the camera on the car during the drive, other than knocks
   /// It is from before a move, after which it has not been estimated again.
   bool is_outdated = false;
 };

@@ -19,6 +19,12 @@ CameraSummary CameraOf(const Odometry& odometry, const ImageScaling& scaling) {
   return summary;
 }
 
+std::vector<MountMove> MovesOf(const MountCalibration& calibration) {
+  std::vector<MountMove> moves;
+  for (std::size_t i = 1; i < calibration.mounts().size(); ++i) moves.push_back(calibration.mounts()[i].move);
+  return moves;
+}
+
 MountSummary MountOf(const Odometry& odometry) {
   const MountCalibration& calibration = odometry.mount();
   MountSummary summary = {.estimate = {}, .jumps = calibration.jumps()};
@@ -27,7 +33,7 @@ MountSummary MountOf(const Odometry& odometry) {
   summary.estimate = {.angles = YawPitchRollFromRotation(mount.vehicle_from_camera),
                       .sigma = mount.sigma,
                       .found = mount.found,
-                      .moves = calibration.moves(),
+                      .moves = MovesOf(calibration),
                       .is_outdated = !mount.found && calibration.moves() > 0};
   return summary;
 }
@@ -108,7 +114,8 @@ void DriveRecorder::Finish() {
 std::vector<std::string> DriveRecorder::TakeMoveWarnings() {
   const MountCalibration& mount = odometry_.mount();
   std::vector<std::string> warnings;
-  if (mount.moves() > moves_) warnings.push_back(CameraMovedWarning(frames_ - 1));
+  if (mount.moves() > moves_)
+    warnings.push_back(CameraMovedWarning(frames_ - 1, mount.mounts().back().move, first_time_));
   moves_ = mount.moves();
   const std::vector<MountJump> jumps = mount.jumps();
   for (; jumps_ < jumps.size(); ++jumps_) warnings.push_back(CameraJumpWarning(jumps[jumps_], first_time_));

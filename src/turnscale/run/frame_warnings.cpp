@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "turnscale/geometry/angle.h"
 
@@ -15,9 +16,23 @@ std::string SkippedWarning(int frame, const std::string& problem) {
   return fmt::format("frame {}: {}; skipped", frame, problem);
 }
 
-std::string CameraMovedWarning(int frame) {
+std::string CameraMoveText(const MountMove& move, double first_time) {
+  constexpr double kLittle = 0.5;  // degrees: the sigma of such an angle
+  const auto part = [](double degrees, const char* positive, const char* negative) {
+    return fmt::format("{:.1f} degrees {}", std::abs(degrees), degrees > 0 ? positive : negative);
+  };
+  std::vector<std::string> parts;
+  const double yaw = InDegrees(move.by.yaw);
+  const double pitch = InDegrees(move.by.pitch);
+  if (std::abs(yaw) >= kLittle) parts.push_back(part(yaw, "to the right", "to the left"));
+  if (std::abs(pitch) >= kLittle) parts.push_back(part(pitch, "up", "down"));
+  return fmt::format("by about {} at {:.0f} s", fmt::join(parts, " and "), move.time - first_time);
+}
+
+std::string CameraMovedWarning(int frame, const MountMove& move, double first_time) {
   return fmt::format(
-      "frame {}: the camera was moved earlier in the drive; re-estimating the camera-to-vehicle rotation", frame);
+      "frame {}: the camera was moved on the car {}; re-estimating the camera-to-vehicle rotation from there on", frame,
+      CameraMoveText(move, first_time));
 }
 
 std::string CameraJumpText(const MountJump& jump, double first_time) {

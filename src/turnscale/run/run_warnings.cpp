@@ -87,7 +87,8 @@ std::string TurnsWarning(const RefinedScale& scale) {
 std::string OtherYaw(const VehicleOptions& vehicle, const MountSummary& mount) {
   constexpr double kMostSigmas = 3;
   const std::optional<MountEstimate>& estimate = mount.estimate;
-  if (!vehicle.camera_known || !estimate || !estimate->found || estimate->moves > 0 || !mount.jumps.empty()) return "";
+  if (!vehicle.camera_known || !estimate || !estimate->found || !estimate->moves.empty() || !mount.jumps.empty())
+    return "";
   const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
   const double found = estimate->angles.yaw;
   if (!(std::abs(found - known) > kMostSigmas * std::hypot(vehicle.yaw_sigma, estimate->sigma.yaw))) return "";

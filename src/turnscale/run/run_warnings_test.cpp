@@ -113,13 +113,13 @@ TEST(RunWarnings, WarnsOfStabilisedImages) {
 }
 
 TEST(RunWarnings, NamesAYawOfAnEarlierDriveThatIsNotUsed) {
-  const auto warnings = [](double found_deg, bool known, int moves) {
+  const auto warnings = [](double found_deg, bool known, std::size_t moves) {
     DriveFacts drive;
     drive.vehicle.camera_known = known;
     drive.vehicle.yaw_sigma = 0.15 / kDegreesPerRadian;
     drive.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3.5 / kDegreesPerRadian, 0, 0});
-    drive.mount.estimate =
-        MountEstimate{{found_deg / kDegreesPerRadian, 0, 0}, {0.2 / kDegreesPerRadian, 0, 0}, true, moves};
+    drive.mount.estimate = MountEstimate{
+        {found_deg / kDegreesPerRadian, 0, 0}, {0.2 / kDegreesPerRadian, 0, 0}, true, std::vector<MountMove>(moves)};
     return SummaryOf(drive, PathFrames(5, 1), {}).warnings;
   };
   ASSERT_EQ(warnings(0.4, true, 0).size(), 1u);

@@ -76,7 +76,11 @@ nlohmann::ordered_json MountJson(const DriveFacts& drive, const std::optional<do
     if (mount->found)
       json["sigma_yaw_pitch_roll_deg"] = {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
                                           mount->sigma.roll * kDegreesPerRadian};
-    json["moves"] = mount->moves;
+    json["moves"] = nlohmann::ordered_json::array();
+    for (const MountMove& move : mount->moves)
+      json["moves"].push_back({{"time_s", move.time},
+                               {"yaw_deg", move.by.yaw * kDegreesPerRadian},
+                               {"pitch_deg", move.by.pitch * kDegreesPerRadian}});
   }
   json["knocks"] = nlohmann::ordered_json::array();
   for (const MountJump& jump : drive.mount.jumps)

@@ -10,6 +10,7 @@
 #include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/frame_warnings.h"
 #include "turnscale/run/run_summary.h"
 
 namespace turnscale {
@@ -110,14 +111,20 @@ std::string KnockText(const MountSummary& mount) {
   return knocks > 0 ? "; turned by a knock " + Times(knocks) : "";
 }
 
+std::string MovesText(const std::vector<MountMove>& moves, double first_time) {
+  const auto count = static_cast<int>(moves.size());
+  const char* last = count == 1 ? "" : ", the last time";
+  return fmt::format("moved {}{} {}", Times(count), last, CameraMoveText(moves.back(), first_time));
+}
+
 // One line.
 std::string MountText(const RunSummary& summary) {
   const DriveFacts& drive = summary.drive;
   const std::optional<MountEstimate>& mount = drive.mount.estimate;
   const std::string knocks = KnockText(drive.mount);
   if (mount && mount->is_outdated)
-    return fmt::format("camera  moved {}; no turn since that was noticed, so the rotation from before is used{}\n",
-                       Times(mount->moves), knocks);
+    return fmt::format("camera  {}; no turn since that was noticed, so the rotation from before is used{}\n",
+                       MovesText(mount->moves, drive.given.first_time), knocks);
   const YawPitchRoll angles = drive.camera_angles();
   const std::string correction = YawCorrectionText(summary.car, summary.scale.turns_used, angles.yaw);
   if (!mount || !mount->found)
@@ -129,8 +136,8 @@ std::string MountText(const RunSummary& summary) {
       "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from {}the drive",
       degrees(angles.yaw), degrees(mount->sigma.yaw), degrees(angles.pitch), degrees(mount->sigma.pitch),
       degrees(angles.roll), degrees(mount->sigma.roll),
-      drive.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
-  if (mount->moves > 0) text += "; moved " + Times(mount->moves);
+      drive.vehicle.camera_known && mount->moves.empty() ? "the file of the car and " : "");
+  if (!mount->moves.empty()) text += "; " + MovesText(mount->moves, drive.given.first_time);
   return text + knocks + correction + "\n";
 }
 
