@@ -81,9 +81,9 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
 }
 
 void WidenForHeight(RefinedScale& refined) {
-  if (!refined.estimate || refined.estimate->uses_single_turns) return;
+  if (!refined.estimate) return;
   const double sigma = HeightSigma(*refined.estimate, std::hypot(refined.calibration_sigma, refined.aspect_sigma));
-  refined.unusual_height = FindUnusualHeight(refined.estimate->car.camera_height, sigma);
+  refined.unusual_height = FindUnusualHeight(HeightByScale(*refined.estimate), sigma);
   if (!refined.unusual_height) return;
   AddToSigmas(refined.unusual_height->scale_error, refined);
   refined.estimate->is_doubtful = true;

@@ -71,7 +71,7 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions,
                          RefinedScale& refined);
 
 /// Finds an unusual height of the camera, and adds the error that the scale then has; the estimate is doubtful. For a
-/// height that was not given. Single-turn scales have none. Call it after all that widens sigma otherwise.
+/// height that was not given. Call it after all that widens sigma otherwise.
 void WidenForHeight(RefinedScale& refined);
 
 }  // namespace turnscale

@@ -65,6 +65,7 @@ TEST(WidenForHeight, AddsWhatTheScaleIsProbablyOff) {
   refined.keyframes = {{.sigma = 0.02}};
   RefinedScale single = refined;
   single.estimate->uses_single_turns = true;
+  single.estimate->single_turn_offset = std::log(5);
   RefinedScale vague = refined;
   WidenScale(1.5, vague);
   for (RefinedScale* other : {&single, &vague}) {
@@ -72,6 +73,7 @@ TEST(WidenForHeight, AddsWhatTheScaleIsProbablyOff) {
     EXPECT_FALSE(other->unusual_height);
     EXPECT_FALSE(other->estimate->is_doubtful);
   }
+  EXPECT_NEAR(HeightByScale(*single.estimate), 1.4, 1e-12) << "a usual height by the scale that is used";
   WidenForHeight(refined);
   ASSERT_TRUE(refined.unusual_height);
   EXPECT_NEAR(refined.estimate->length_sigma, std::hypot(0.03, std::log(5)), 1e-12);

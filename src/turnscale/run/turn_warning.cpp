@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/turn_warning.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -25,11 +27,15 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
 }
 
 std::string HeightWarning(const HeightConflict& conflict, double lever_arm, const std::string& remedy) {
+  constexpr double kLargeRatio = 1.5;
   const double ratio = conflict.given / conflict.found;
+  const double factor = std::max(ratio, 1 / ratio);
+  const std::string difference = factor > kLargeRatio ? fmt::format("a factor of {:.1f}", factor)
+                                                      : fmt::format("{:.0f} %", 100 * std::abs(ratio - 1));
   return fmt::format(
-      "lever arm and camera height disagree by {:.0f} %: with the lever arm {:.2f} m the turns give a height of {:.2f} "
+      "lever arm and camera height disagree by {}: with the lever arm {:.2f} m the turns give a height of {:.2f} "
       "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m{}: {}",
-      100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm,
+      difference, lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm,
       conflict.contradicts_turns ? "; the trajectory uses the lever arm alone" : "", remedy);
 }
 

@@ -5,13 +5,19 @@
 
 namespace turnscale {
 
+double HeightByScale(const ScaleEstimate& estimate) {
+  return estimate.car.camera_height * std::exp(estimate.single_turn_offset);
+}
+
 double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
   const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
   const double between = estimate.height_conflict ? estimate.height_conflict->scale_sigma() : 0;
   const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
   const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;
-  return std::hypot(estimate.car.camera_height_sigma,
-                    std::hypot(std::hypot(other_sigma, slip, between), smoothing, lag) * estimate.car.camera_height);
+  const double relative = std::hypot(std::hypot(other_sigma, slip, between), smoothing, lag);
+  const double factor = std::exp(estimate.single_turn_offset);
+  return std::hypot(estimate.car.camera_height_sigma * factor,
+                    std::hypot(relative, estimate.single_turn_spread) * HeightByScale(estimate));
 }
 
 std::optional<UnusualHeight> FindUnusualHeight(double height, double sigma) {

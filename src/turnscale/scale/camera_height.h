@@ -10,9 +10,13 @@ namespace turnscale {
 /// Typical height of a car's camera above the road, metres.
 inline constexpr double kUsualHeight = 1.4;
 
-/// Standard deviation of the estimated height of the camera above the road, metres, with what the sigma of the scale
+/// The height of the camera above the road by the scale of the trajectory, metres: where single-turn scales are used,
+/// by these. 0 if it is not known.
+double HeightByScale(const ScaleEstimate& estimate);
+
+/// Standard deviation of HeightByScale, metres, with what the sigma of the scale
 /// has for contradictions: the height is off by what the scale is off by. `other_sigma`: of the scale for other
-/// reasons, such as the calibration, relative.
+/// reasons, such as the calibration, relative. Single-turn scales contribute what they differ by.
 double HeightSigma(const ScaleEstimate& estimate, double other_sigma = 0);
 
 /// An estimated height of the camera above the road that is unusual for a car. It is proportional to the scale, so that

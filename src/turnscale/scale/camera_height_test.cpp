@@ -16,6 +16,8 @@ TEST(HeightSigma, HasTheContradictionsOfTheScale) {
   EXPECT_NEAR(HeightSigma(estimate, 0.1), std::hypot(0.03, 0.15), 1e-12);
   estimate.height_conflict = HeightConflict{.given = 1.5, .found = 1.8};
   EXPECT_NEAR(HeightSigma(estimate), std::hypot(0.03, 0.75 * std::log(1.2)), 1e-12);
+  estimate.height_conflict->contradicts_turns = true;
+  EXPECT_NEAR(HeightSigma(estimate), std::hypot(0.03, 1.5 * std::sqrt(0.5) * std::log(1.2)), 1e-12);
 }
 
 TEST(FindUnusualHeight, TellsHowFarTheScaleIsProbablyOff) {

@@ -21,8 +21,9 @@ struct HeightConflict {
   /// not used.
   bool contradicts_turns = false;
 
-  /// Relative standard deviation of the scale, which is between those that the two lengths imply.
-  double scale_sigma() const { return 0.5 * std::abs(std::log(found / given)); }
+  /// Relative standard deviation of the scale, while either of the lengths may be the wrong one: the root mean square
+  /// of its distances from what the two imply. It is between them, or follows the lever arm alone.
+  double scale_sigma() const { return std::sqrt(contradicts_turns ? 0.5 : 0.25) * std::abs(std::log(found / given)); }
 };
 
 /// The yaw of Q differs from the one that straights and turns show: Q is not that of this camera on this car.

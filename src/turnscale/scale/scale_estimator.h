@@ -101,6 +101,7 @@ struct ScaleEstimate {
   /// turn has one.
   bool uses_single_turns = false;
   double single_turn_spread = 0;  ///< where they are: by which they differ, relative; sigma includes it
+  double single_turn_offset = 0;  ///< their median less the joint estimate, of ln(metres per unit)
   bool is_doubtful = false;       ///< by what the estimator does not see, such as a converted video; its caller sets it
   bool converged = false;
 

@@ -764,7 +764,9 @@ TEST(ScaleEstimator, TheHeightFoundIsThatOfTheTurnsHoweverThePriorsCorrelate) {
         EXPECT_NEAR(estimate.height_conflict->found / height, 1, 0.03);
         EXPECT_GT(estimate.height_conflict->found_sigma / height, 0.02) << "no better than the lever arm";
         EXPECT_LT(estimate.height_conflict->found_sigma / height, 0.04);
-        EXPECT_LT(estimate.length_sigma, estimate.uses_single_turns ? 0.2 : 0.1);
+        const double difference = std::abs(std::log(height / 1.4));
+        EXPECT_GT(estimate.length_sigma, (estimate.height_conflict->contradicts_turns ? 0.6 : 0.4) * difference);
+        EXPECT_LT(estimate.length_sigma, estimate.uses_single_turns ? 0.2 : 0.12);
       }
     }
   }

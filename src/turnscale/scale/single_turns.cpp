@@ -76,6 +76,7 @@ bool UseSingleTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
     estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
   }
   estimate.single_turn_spread = spread;
+  estimate.single_turn_offset = centre;
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
   return true;
 }
