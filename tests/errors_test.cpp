@@ -784,6 +784,14 @@ TEST_F(ErrorsTest, ACalibrationOfAnotherCameraIsDoubted) {
       << result.err;
 }
 
+TEST_F(ErrorsTest, ACalibrationOfLargerImagesIsNamed) {
+  Text("drive/calib.txt", "P0: 400 0 319 0 0 400 239 0 0 0 1 0\n");
+  const CommandResult result = Run({"--max-frames", "2"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("the calibration seems to be of images 2 times as wide and as high"), std::string::npos)
+      << result.err;
+}
+
 TEST_F(ErrorsTest, SenselessCameras) {
   const auto camera = [&](const std::string& text) {
     return std::vector<std::string>{"--camera", Text("cam.yaml", text).string()};

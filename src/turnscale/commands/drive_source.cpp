@@ -134,6 +134,22 @@ LoopEnd ProcessFrames(const ImageArguments& arguments, ImageSource& source, cons
   return LoopEnd::kEndOfDrive;
 }
 
+// What to do about a calibration whose principal point is not in the middle of the images.
+std::string SizeAdvice(const Pinhole& pinhole, const cv::Size& size) {
+  constexpr double kSameFactor = 1.1;
+  constexpr double kOtherSize = 1.2;
+  const double across = 2 * pinhole.cx / size.width;
+  const double down = 2 * pinhole.cy / size.height;
+  const double factor = std::sqrt(across * down);
+  const bool is_scaled = across > 0 && down > 0 && std::max(across / down, down / across) < kSameFactor &&
+                         std::max(factor, 1 / factor) > kOtherSize;
+  if (!is_scaled) return "check that the calibration is of this camera, and of images of this size";
+  return fmt::format(
+      "the calibration seems to be of images {:.2g} times as wide and as high: divide its fx, fy, cx and cy by this "
+      "factor",
+      factor);
+}
+
 // Images that are too small, and a calibration that may be of others.
 std::vector<std::string> DoubtsOf(const DriveImages& images) {
   constexpr double kFarOff = 0.08;  // of the image's width or height
@@ -154,10 +170,9 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
                        std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
   if (given.width == 0 && !central)
-    doubts.push_back(
-        fmt::format("{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that the "
-                    "calibration is of this camera, and of images of this size",
-                    images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
+    doubts.push_back(fmt::format("{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; {}",
+                                 images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height,
+                                 SizeAdvice(given.pinhole, size)));
   // Only where the video says that its pixels are not square: most say nothing.
   const double shape = given.pinhole.fy / given.pinhole.fx;
   const double aspect = images.source.pixel_aspect();
