@@ -83,7 +83,7 @@ TEST(RunWarnings, WarnsOfACameraTooLowOrTooHighForACar) {
     if (!given) WidenForHeight(scale);
     return SummaryOf(drive, PathFrames(5, 1), scale).warnings;
   };
-  for (const double usual : {0.75, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;
+  for (const double usual : {0.86, 1.3, 2.3}) EXPECT_TRUE(warnings(usual).empty()) << usual;
   for (const double unusual : {0.65, 2.8}) ASSERT_EQ(warnings(unusual).size(), 1u) << unusual;
   EXPECT_NE(warnings(2.8)[0].find("a camera 2.80 +-0.10 m above the road, which is unusual for a car"),
             std::string::npos);

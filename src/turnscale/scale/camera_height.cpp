@@ -21,12 +21,10 @@ double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
 }
 
 std::optional<UnusualHeight> FindUnusualHeight(double height, double sigma) {
-  constexpr double kLeast = 0.9;  // m
-  constexpr double kMost = 2.4;   // m
-  const double reach = 2 * sigma;
-  const bool is_low = height + reach < kLeast;
-  if (height == 0 || (!is_low && height - reach <= kMost)) return std::nullopt;
-  return UnusualHeight{height, sigma, std::abs(std::log(height / kUsualHeight)), is_low};
+  if (height == 0) return std::nullopt;
+  const double difference = std::log(height / kUsualHeight);
+  if (std::abs(difference) <= 2 * std::hypot(kUsualHeightSpread, sigma / height)) return std::nullopt;
+  return UnusualHeight{height, sigma, std::abs(difference), difference < 0};
 }
 
 }  // namespace turnscale

@@ -21,7 +21,11 @@ TEST(HeightSigma, HasTheContradictionsOfTheScale) {
 }
 
 TEST(FindUnusualHeight, TellsHowFarTheScaleIsProbablyOff) {
-  for (const double usual : {0.0, 0.75, 1.3, 2.5}) EXPECT_FALSE(FindUnusualHeight(usual, 0.1)) << usual;
+  for (const double usual : {0.0, 0.86, 1.3, 2.3}) EXPECT_FALSE(FindUnusualHeight(usual, 0.02)) << usual;
+  for (const double unusual : {0.75, 2.5}) {
+    EXPECT_TRUE(FindUnusualHeight(unusual, 0.1)) << unusual;
+    EXPECT_FALSE(FindUnusualHeight(unusual, 0.5)) << unusual;
+  }
   const std::optional<UnusualHeight> low = FindUnusualHeight(0.28, 0.1);
   ASSERT_TRUE(low);
   EXPECT_TRUE(low->is_low);
