@@ -2,6 +2,7 @@
 #include "turnscale/commands/drive_source.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -144,10 +145,15 @@ std::string SizeAdvice(const Pinhole& pinhole, const cv::Size& size) {
   const bool is_scaled = across > 0 && down > 0 && std::max(across / down, down / across) < kSameFactor &&
                          std::max(factor, 1 / factor) > kOtherSize;
   if (!is_scaled) return "check that the calibration is of this camera, and of images of this size";
+  // The principal point of a camera is only about in the middle.
+  constexpr double kNear = 1.06;
+  constexpr std::array kUsual = {0.25, 1 / 3.0, 0.5, 2 / 3.0, 0.75, 4 / 3.0, 1.5, 2.0, 3.0, 4.0};
+  const auto* const usual =
+      std::ranges::find_if(kUsual, [&](double f) { return std::max(f / factor, factor / f) < kNear; });
   return fmt::format(
-      "the calibration seems to be of images {:.2g} times as wide and as high: divide its fx, fy, cx and cy by this "
+      "the calibration seems to be of images {:.3g} times as wide and as high: divide its fx, fy, cx and cy by this "
       "factor",
-      factor);
+      usual != kUsual.end() ? *usual : factor);
 }
 
 // Images that are too small, and a calibration that may be of others.

@@ -19,9 +19,19 @@ CameraSummary CameraOf(const Odometry& odometry, const ImageScaling& scaling) {
   return summary;
 }
 
+// Their angles are those of the final rotations, where these were found.
 std::vector<MountMove> MovesOf(const MountCalibration& calibration) {
+  const std::vector<Mount>& mounts = calibration.mounts();
   std::vector<MountMove> moves;
-  for (std::size_t i = 1; i < calibration.mounts().size(); ++i) moves.push_back(calibration.mounts()[i].move);
+  for (std::size_t i = 1; i < mounts.size(); ++i) {
+    MountMove move = mounts[i].move;
+    if (mounts[i - 1].found && mounts[i].found) {
+      const Eigen::Vector3d by =
+          VectorFromRotation(mounts[i].vehicle_from_camera * mounts[i - 1].vehicle_from_camera.conjugate());
+      move.by = {by.y(), by.x(), 0};
+    }
+    moves.push_back(move);
+  }
   return moves;
 }
 

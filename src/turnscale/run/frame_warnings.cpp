@@ -31,8 +31,9 @@ std::string CameraMoveText(const MountMove& move, double first_time) {
 
 std::string CameraMovedWarning(int frame, const MountMove& move, double first_time) {
   return fmt::format(
-      "frame {}: the camera was moved on the car {}; re-estimating the camera-to-vehicle rotation from there on", frame,
-      CameraMoveText(move, first_time));
+      "frame {}: the camera was turned on the car {}, as found now; its rotation from then on is estimated anew: check "
+      "that the camera is fixed",
+      frame, CameraMoveText(move, first_time));
 }
 
 std::string CameraJumpText(const MountJump& jump, double first_time) {

@@ -127,6 +127,7 @@ nlohmann::ordered_json IntrinsicsJson(const DriveFacts& drive, const ScaleSummar
   }
   if (!found) {
     json["tested"] = scale.calibration_windows > 0;
+    json["contradicted"] = scale.calibration_windows > 0 && !scale.calibration_agrees;
     json["in_doubt"] = scale.calibration_in_doubt;
     return json;
   }

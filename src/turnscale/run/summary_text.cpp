@@ -41,7 +41,7 @@ std::string TestOfCalibration(const ScaleSummary& scale, bool is_upside_down) {
   if (scale.calibration_in_doubt || (scale.image_lag && !scale.image_lag->is_used)) return "left in doubt by the turns";
   if (scale.calibration_windows > 0)
     return scale.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
-  std::string text = "not tested, as the drive has no sharp turn";
+  std::string text = "not tested, as no turn of the drive can test it";
   // The height of the camera scales with the focal length.
   if (scale.is_metric() && scale.turns_used == 0) text += "; an error of its focal length changes the scale";
   return text;
@@ -155,12 +155,15 @@ std::string PathText(const PathSummary& path, const FrameCounts& frames, bool is
 }
 
 // A height that only the drive tells is a check of the scale: both are wrong by the same factor.
-std::string HeightText(const CarRefinement& car, bool is_given, int turns_used) {
+std::string HeightText(const CarRefinement& car, const DriveFacts& drive, int turns_used) {
+  const bool is_given = drive.vehicle.camera_height.has_value();
+  const bool was_moved = drive.mount.estimate && !drive.mount.estimate->moves.empty();
   if (!(car.camera_height > 0)) return {};
   // Its sigma is that of the scale then, which another line has.
   if (is_given && turns_used == 0)
     return fmt::format("height  camera {:.3f} m above the road, as given\n", car.camera_height);
-  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}\n", car.camera_height, car.camera_height_sigma,
+  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}{}\n", car.camera_height,
+                     car.camera_height_sigma, was_moved ? " before it was moved" : "",
                      is_given ? "" : " (compare with a tape measure)");
 }
 
@@ -169,12 +172,13 @@ std::string SlipValue(double slip, double sigma) {
 }
 
 // Empty without an estimate. Without a turn only the height is one.
-std::string CarText(const std::optional<CarRefinement>& car, const VehicleOptions& vehicle, int turns_used) {
+std::string CarText(const std::optional<CarRefinement>& car, const DriveFacts& drive, int turns_used) {
   if (!car) return {};
   std::string text;
   if (turns_used > 0)
-    text = fmt::format("car     side slip {}\n", SideSlipText(*car, vehicle.side_slip, vehicle.side_slip_sigma));
-  return text + HeightText(*car, vehicle.camera_height.has_value(), turns_used);
+    text = fmt::format("car     side slip {}\n",
+                       SideSlipText(*car, drive.vehicle.side_slip, drive.vehicle.side_slip_sigma));
+  return text + HeightText(*car, drive, turns_used);
 }
 
 // Frames without a measured pose, by their state; empty if there are none.
@@ -272,8 +276,7 @@ std::string SummaryText(const RunSummary& summary) {
       "files   {}\n",
       ClipsText(drive.ending.clips), PathText(summary.path, summary.frames, summary.scale.is_metric()),
       ScaleText(summary.scale, drive), SigmaReasonText(summary.scale), IntrinsicsText(drive, summary.scale),
-      ShutterText(summary.scale), MountText(summary),
-      CarText(summary.car.refined, drive.vehicle, summary.scale.turns_used),
+      ShutterText(summary.scale), MountText(summary), CarText(summary.car.refined, drive, summary.scale.turns_used),
       TurnsText(summary.scale, drive.vehicle.lever_arm.has_value()), FramesText(summary.frames, drive.images),
       MissingText(summary.path, drive.given.first_time), cost.wall_seconds,
       summary.frames.total / std::max(cost.wall_seconds, 1e-9),

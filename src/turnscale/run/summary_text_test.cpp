@@ -74,10 +74,10 @@ TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   summary.drive.camera.pinhole = Pinhole{600, 600, 320, 180};
   EXPECT_TRUE(Says(summary, "lens    focal length 600.0 pixels, assumed\n"));
   summary.drive.given.camera = "folder/cam.yaml";
-  EXPECT_TRUE(
-      Says(summary, "not tested, as the drive has no sharp turn; an error of its focal length changes the scale\n"));
+  EXPECT_TRUE(Says(
+      summary, "not tested, as no turn of the drive can test it; an error of its focal length changes the scale\n"));
   summary.scale.turns_used = 1;
-  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as the drive has no sharp turn\n"));
+  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as no turn of the drive can test it\n"));
   summary.scale.calibration_windows = 2;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, consistent with the turns\n"));
   summary.scale.image_lag = ImageLag{.found = 0.1, .found_sigma = 0.02, .scale_error = 0.3, .is_used = false};
