@@ -190,6 +190,11 @@ int OnlineCalibration::PlaceOf(const Change& change) const {
 void OnlineCalibration::Restart(const Change& change) {
   const int place = PlaceOf(change);
   const Eigen::Vector2d moved = change.angles();
+  const std::optional<Refinement> until_move =
+      place >= kLeastSteps ? RefineSteps(place, change.before.vehicle_from_camera) : std::nullopt;
+  const Refinement& before = until_move ? *until_move : change.before;
+  state_.vehicle_from_camera_before_move = before.vehicle_from_camera;
+  state_.sigma_before_move = SigmaOfAngles(before.vehicle_from_camera, StatedCovariance(before));
   state_.move_time = window_[place].begin;
   state_.move = {moved.y(), moved.x(), 0};
   window_.erase(window_.begin(), window_.begin() + place);
@@ -209,6 +214,13 @@ void OnlineCalibration::Restart(const Change& change) {
   if (turned_) Refine();
 }
 
+Eigen::Matrix3d OnlineCalibration::StatedCovariance(const Refinement& refinement) const {
+  Eigen::Matrix3d covariance = refinement.covariance;
+  const double bias = options_.calibration.motion_bias;
+  covariance.diagonal().head<2>().array() += bias * bias;
+  return covariance;
+}
+
 void OnlineCalibration::Report() {
   state_.steps = steps_;
   state_.turning = turning_;
@@ -223,9 +235,7 @@ void OnlineCalibration::Report() {
     return;
   }
   state_.vehicle_from_camera = refinement_->vehicle_from_camera;
-  state_.covariance = refinement_->covariance;
-  const double bias = options_.calibration.motion_bias;
-  state_.covariance.diagonal().head<2>().array() += bias * bias;
+  state_.covariance = StatedCovariance(*refinement_);
   state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
   state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
   state_.usable = state_.sigma.yaw < kUsableYawSigma && state_.sigma.roll < kUsableRollSigma;

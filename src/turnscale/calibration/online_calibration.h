@@ -45,6 +45,9 @@ struct OnlineState {
   /// The latest move: when, seconds, and by how much.
   double move_time = 0;
   YawPitchRoll move;  ///< rad; yaw and pitch only
+  /// Without the steps between the move and its discovery.
+  Eigen::Quaterniond vehicle_from_camera_before_move = Eigen::Quaterniond::Identity();
+  YawPitchRoll sigma_before_move;  ///< rad
 };
 
 /// Online calibration, with bounded time and memory per step. Detects a camera that was moved, from a change of the
@@ -81,6 +84,8 @@ class OnlineCalibration {
   int PlaceOf(const Change& change) const;
   std::optional<Change> FindMove();
   void Restart(const Change& change);
+  /// Of a refinement, with what a drive's own motion may be off by (CalibrationOptions::motion_bias).
+  Eigen::Matrix3d StatedCovariance(const Refinement& refinement) const;
   void Report();
 
   OnlineCalibrationOptions options_;

@@ -57,20 +57,25 @@ MountCalibration::MountCalibration(const VehicleOptions& vehicle)
   if (vehicle.camera_known) known_ = YawPitchRollFromRotation(vehicle.vehicle_from_camera);
 }
 
-Mount MountCalibration::Found(const OnlineState& state) const {
+Mount MountCalibration::Found(const Eigen::Quaterniond& vehicle_from_camera, const YawPitchRoll& sigma) const {
   Mount found = mounts_.back();
-  found.vehicle_from_camera = state.vehicle_from_camera;
+  found.vehicle_from_camera = vehicle_from_camera;
   found.found = true;
-  found.sigma = state.sigma;
+  found.sigma = sigma;
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
-  YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
+  YawPitchRoll angles = YawPitchRollFromRotation(vehicle_from_camera);
   // A contradicted yaw makes pitch and roll doubtful, too.
   if (!Average(known_->yaw, known_sigma_.yaw, angles.yaw, found.sigma.yaw)) return found;
   Average(known_->pitch, known_sigma_.pitch, angles.pitch, found.sigma.pitch);
   Average(known_->roll, known_sigma_.roll, angles.roll, found.sigma.roll);
   found.vehicle_from_camera = RotationFromYawPitchRoll(angles);
   return found;
+}
+
+void MountCalibration::EndMount(const OnlineState& state) {
+  if (!mounts_.back().found || !std::isfinite(state.sigma_before_move.yaw)) return;
+  mounts_.back() = Found(state.vehicle_from_camera_before_move, state.sigma_before_move);
 }
 
 void MountCalibration::Learn(const Map& map, int last) {
@@ -94,6 +99,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     step_ends_.push_back(index);
     // What the calibration goes on with comes after the move.
     if (state.moved) {
+      EndMount(state);
       mounts_.push_back({.first_keyframe = step_ends_[step_ends_.size() - state.steps],
                          .vehicle_from_camera = mounts_.back().vehicle_from_camera,
                          .move = {state.move_time, state.move}});
@@ -101,7 +107,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     if (!state.usable) continue;
     // What was known is better than a first, rough estimate.
     if (known_ && moves() == 0 && state.sigma.yaw > kEstimatedYawSigma) continue;
-    const Mount found = Found(state);
+    const Mount found = Found(state.vehicle_from_camera, state.sigma);
     Mount& mount = mounts_.back();
     mount.found = true;
     mount.sigma = found.sigma;

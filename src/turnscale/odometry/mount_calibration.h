@@ -88,7 +88,9 @@ class MountCalibration {
   const Mount& MountAt(int keyframe) const;
   /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
   /// each other; none where the yaw does.
-  Mount Found(const OnlineState& state) const;
+  Mount Found(const Eigen::Quaterniond& vehicle_from_camera, const YawPitchRoll& sigma) const;
+  /// What is known of the latest rotation once it is known to end with a move.
+  void EndMount(const OnlineState& state);
 
   bool calibrates_;
   std::optional<YawPitchRoll> known_;  ///< before the drive

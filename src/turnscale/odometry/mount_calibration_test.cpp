@@ -175,7 +175,7 @@ TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   EXPECT_EQ(mount.moves(), 1);
   ASSERT_EQ(mount.mounts().size(), 2U);
   EXPECT_NEAR(mount.mounts()[1].first_keyframe, at, 20) << "two seconds";
-  EXPECT_LT(DegreesBetween(mount.At(at - 20), kTurned), 1e-4);
+  EXPECT_LT(DegreesBetween(mount.At(at - 20), kTurned), 1e-4) << "nothing of what follows the move";
   EXPECT_LT(DegreesBetween(mount.At(Last(map)), moved), 0.003);
 }
 
