@@ -57,6 +57,6 @@ if what == "car":
     summary |= {"car_evidence": {"prior": {"mean": [0, 0.0045, 0.4, 0.3], "covariance": prior},
                                  "posterior": {"mean": [0, float(more[0]), 0.4, 0.34], "covariance": posterior},
                                  "inflation": 1},
-                "camera_rotation": {"source": "assumed", "moves": 0}, "camera_yaw_pitch_roll_deg": [0, 0, 0],
+                "camera_rotation": {"source": "assumed", "moves": []}, "camera_yaw_pitch_roll_deg": [0, 0, 0],
                 "lever_arm_m": 1.5}
 (out / "summary.json").write_text(json.dumps(summary))

@@ -48,7 +48,7 @@ def summary_of(mean, covariance, source="assumed", yaw=0.0, inflation=1.0):
     return {"car_evidence": {"prior": {"mean": PRIOR_MEAN.tolist(), "covariance": PRIOR.tolist()},
                              "posterior": {"mean": mean.tolist(), "covariance": covariance.tolist()},
                              "inflation": inflation},
-            "camera_rotation": {"source": source, "sigma_yaw_pitch_roll_deg": [0.2, 0.2, 1], "moves": 0},
+            "camera_rotation": {"source": source, "sigma_yaw_pitch_roll_deg": [0.2, 0.2, 1], "moves": []},
             "camera_yaw_pitch_roll_deg": [yaw, 0, 0], "lever_arm_m": 1.5}
 
 

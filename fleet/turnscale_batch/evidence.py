@@ -106,4 +106,4 @@ def estimates_of(drive, summary, folder):
     return DriveEstimates(drive, _evidence(summary), rotation,
                           read_intrinsics(folder / "camera.yaml") if estimated else None,
                           intrinsics.get("source") not in ("estimated", "assumed"),
-                          summary.get("lever_arm_m") is not None, found.get("moves", 0) > 0)
+                          summary.get("lever_arm_m") is not None, bool(found.get("moves")))

@@ -36,6 +36,7 @@ constexpr int kMovedConfirmations = 3;
 constexpr int kLeastAfterMove = 5;
 // Of one step, in variances, when the move is dated: a step may be off for other reasons.
 constexpr double kMostMisfit = 9;
+// By this share of the move, the directions after it may be off.
 constexpr double kShareOfMove = 0.25;
 // Q is used below this standard deviation of its yaw, rad (CalibrationOptions::motion_bias included): half of that of a
 // camera mounted by eye. What is left is estimated with the scale.

@@ -140,7 +140,7 @@ TEST(OnlineCalibration, PitchingBeforeALateFirstTurnIsNotTakenForAMovedCamera) {
   }
 }
 
-// After a move that only the long memory shows, steps from before it are kept for a while.
+// A move that only the long memory shows.
 TEST(OnlineCalibration, ASmallMoveIsReportedOnce) {
   for (int seed = 1; seed <= SeedsToTest(4); ++seed) {
     for (const double degrees : {1.35, 1.5, 1.7}) {

@@ -268,7 +268,8 @@ class Refiner {
 
   // Squared scores of what the turns have in common with nothing else: the road and the body's lean tilt the turning
   // axis sideways, by another angle in each turn.
-  double BankScore() const {
+  double TiltScore() const {
+    // Also in wide bends the road tilts all steps together.
     constexpr double kLeastPsi = 0.5 / kDegreesPerRadian;
     double sum = 0;
     double turn = 0;
@@ -294,7 +295,7 @@ class Refiner {
   Eigen::Matrix3d Covariance() const {
     Eigen::Matrix3d hessian = prior_ ? prior_->information : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
     Eigen::Matrix3d scores = hessian;
-    scores(2, 2) += BankScore();
+    scores(2, 2) += TiltScore();
     for (const StepState& state : states_) {
       if (steady()) break;
       const EliminatedStep step = EliminateFreeStep(state, true);

@@ -38,7 +38,7 @@ struct RefinementOptions {
   bool weigh_by_spread = true;
   /// Standard deviation of the road's bank and the body's lean in a turn, rad (1.5 deg). It tilts the turning axis for
   /// all of a turn, so the spread of single steps does not show it; it goes into the covariance of the roll alone.
-  /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.
+  /// The roll that right angles of KITTI show scatters by as much; 0 is a flat world.
   double road_bank = 1.5 / kDegreesPerRadian;
   /// Standard deviation of the change of grade, and of the body's pitch, during a turn of some 12 deg and more, rad
   /// (1.2 deg): the smaller the turn, the more it tilts the turning axis. In the turns of KITTI that a level road would

@@ -10,7 +10,8 @@ double HeightByScale(const ScaleEstimate& estimate) {
 }
 
 double HeightSigma(const ScaleEstimate& estimate, double other_sigma) {
-  const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
+  // The spread of single-turn scales has it already.
+  const double slip = estimate.slip_conflict && !estimate.uses_single_turns ? estimate.test.disagreement : 0;
   const double between = estimate.height_conflict ? estimate.height_conflict->scale_sigma() : 0;
   const double smoothing = estimate.image_smoothing ? estimate.image_smoothing->scale_error : 0;
   const double lag = estimate.image_lag ? estimate.image_lag->scale_error : 0;

@@ -16,9 +16,9 @@ inline constexpr double kUsualHeightSpread = 0.25;
 /// by these. 0 if it is not known.
 double HeightByScale(const ScaleEstimate& estimate);
 
-/// Standard deviation of HeightByScale, metres, with what the sigma of the scale
-/// has for contradictions: the height is off by what the scale is off by. `other_sigma`: of the scale for other
-/// reasons, such as the calibration, relative. Single-turn scales contribute what they differ by.
+/// Standard deviation of HeightByScale, metres, with what the sigma of the scale has for contradictions: the height is
+/// off by what the scale is off by. `other_sigma`: of the scale for other reasons, such as the calibration, relative.
+/// Single-turn scales contribute what they differ by.
 double HeightSigma(const ScaleEstimate& estimate, double other_sigma = 0);
 
 /// An estimated height of the camera above the road that is unusual for a car. It is proportional to the scale, so that

@@ -82,7 +82,7 @@ bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const Sc
 
 // Whether the turns show a lag of stabilised images. A given height plays no part: one that disagrees with the lever
 // arm would look like a lag. So would a slip that is unusually large, with which the turns agree: it has a warning of
-// its own. One that is only large is more likely than stabilisation where both explain the turns.
+// its own. One that is only large, and with which the turns agree, is more likely than stabilisation.
 bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const CarPrior& car,
               const ScaleEstimatorOptions& options) {
   const StabilisationOptions& stabilisation = options.stabilisation;
@@ -99,7 +99,7 @@ bool ShowsLag(const SmoothedDrive& drive, const DriveEvidence& evidence, const C
   if (!LagCounts(*without, *with, stabilisation)) return false;
   if (car.side_slip_sigma == 0) return true;
   const auto slipping = SmoothFrom(start, evidence, WithUnusualSlip(alone), options);
-  return !slipping || LagCounts(*slipping, *with, stabilisation);
+  return !slipping || !TurnsAgree(*slipping, options.test) || LagCounts(*slipping, *with, stabilisation);
 }
 
 // What the drive contradicts, if it is more or other than what is freed in `fit`.
