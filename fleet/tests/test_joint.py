@@ -62,6 +62,12 @@ class Prior(unittest.TestCase):
         np.testing.assert_allclose(evidence.information / scale, information / scale, atol=1e-9)
         np.testing.assert_allclose(evidence.vector / np.abs(vector).max(), vector / np.abs(vector).max(), atol=1e-9)
 
+    def test_a_camera_that_was_moved_is_known(self):
+        summary = summary_of(PRIOR_MEAN, PRIOR, source="found")
+        self.assertFalse(estimates_of(None, summary, None).moved)
+        summary["camera_rotation"]["moves"] = [{"time_s": 12.5, "yaw_deg": 0.1, "pitch_deg": -3.0}]
+        self.assertTrue(estimates_of(None, summary, None).moved)
+
     def test_of_a_drive_that_tells_nothing_leaves_nothing(self):
         summary = summary_of(PRIOR_MEAN, PRIOR)
         evidence = estimates_of(None, summary, None).evidence

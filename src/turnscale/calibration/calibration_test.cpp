@@ -41,6 +41,16 @@ TEST(Calibrate, FindsTheLeverArmInTheOdometrysUnit) {
   for (const double lever_arm : found.refinement.lever_arms) EXPECT_NEAR(lever_arm, 0.05 * 1.2, 1e-6);
 }
 
+TEST(Calibrate, ASmallTurnShowsTheRollLessWell) {
+  const auto roll_sigma = [](double turn) {
+    constexpr int kFrames = 24;
+    const Trajectory path =
+        TestPath({{60, 0.8, 0}, {kFrames, 0.8, turn / kFrames}, {60, 0.8, 0}}, kArm, kTilted, 0.03 * kDeg);
+    return Calibrate(StepsAlong(path)).sigma.roll;
+  };
+  EXPECT_GT(roll_sigma(35 * kDeg), 1.3 * roll_sigma(90 * kDeg)) << "a change of grade looks like roll";
+}
+
 TEST(Calibrate, StatesTheSpreadThatItsErrorsHave) {
   constexpr int kRuns = 60;
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();

@@ -215,6 +215,24 @@ TEST(SummaryText, KnocksOfTheCameraAreListedWithTheirTime) {
             "frame 125 (at 12.5 s): the camera was turned on the car by 2.0 degrees to the left, as by a knock");
 }
 
+TEST(SummaryText, MovesOfTheCameraAreListedWithTheirTime) {
+  const auto moves = [](const RunSummary& summary) {
+    return nlohmann::json::parse(SummaryJson(summary))["camera_rotation"]["moves"];
+  };
+  RunSummary summary = InMetres(0.03);
+  summary.drive.given.first_time = 1774160045.0;
+  summary.drive.mount.estimate.emplace();
+  summary.drive.mount.estimate->found = true;
+  EXPECT_EQ(moves(summary), nlohmann::json::array());
+  summary.drive.mount.estimate->moves = {{1774160057.4, {2.04 / kDegreesPerRadian, -3 / kDegreesPerRadian, 0}}};
+  EXPECT_EQ(moves(summary)[0]["time_s"], 1774160057.4);
+  EXPECT_NEAR(moves(summary)[0]["yaw_deg"].get<double>(), 2.04, 1e-9);
+  EXPECT_NEAR(moves(summary)[0]["pitch_deg"].get<double>(), -3, 1e-9);
+  EXPECT_TRUE(Says(summary, "moved once by about 2.0 degrees to the right and 3.0 degrees down at 12 s"));
+  summary.drive.mount.estimate->moves.push_back({1774160075.0, {0.1 / kDegreesPerRadian, 1.5 / kDegreesPerRadian, 0}});
+  EXPECT_TRUE(Says(summary, "moved 2 times, the last time by about 1.5 degrees up at 30 s"));
+}
+
 TEST(SummaryText, FramesWithoutAMeasuredPoseAreNamedByTheirState) {
   RunSummary summary = InMetres(0.03);
   EXPECT_FALSE(Says(summary, "frames  "));
